@@ -52,7 +52,7 @@ mod collection {
     mod sought;
     mod submission;
 
-    pub(crate) use entry::{Collection, Entry, Foreign, State, Status, facts};
+    pub(crate) use entry::{Collection, Entry, Foreign, Standing, State, Status, facts};
     pub(crate) use recipe::{About, Recipe};
     pub(crate) use submission::{Claimed, Division, FORMAT, Submission, distance};
 }
@@ -347,7 +347,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
 }
 
 /// The error, then its causes, without those that the text before them says already.
-pub(crate) fn in_one_paragraph(error: &anyhow::Error) -> String {
+fn in_one_paragraph(error: &anyhow::Error) -> String {
     let mut text = error.to_string().trim_end().to_owned();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.ends_with(cause.trim_end()) {

@@ -62,7 +62,7 @@ struct List {
 struct Add {
     /// Files of problems
     #[arg(required = true, value_name = "FILE")]
-    files: Vec<PathBuf>,
+    files: Vec<String>,
     /// State of the packing
     #[arg(long, value_enum, default_value = "other")]
     state: State,
@@ -151,24 +151,25 @@ fn value(entry: &Entry, key: &str) -> String {
 /// Returns kind, size, friction and state in words.
 fn size(entry: &Entry) -> String {
     let Entry { mechanics, grains, contacts, friction: [least, greatest], state, .. } = entry;
+    let grains = if *grains > 0 { format!("{grains} grains, ") } else { "W alone, ".to_owned() };
     let mu = if least == greatest { format!("{greatest}") } else { format!("{least} to {greatest}") };
-    format!("{mechanics}, {grains} grains, {contacts} contacts, μ {mu}, {}", state.name())
+    format!("{mechanics}, {grains}{contacts} contacts, μ {mu}, {}", state.name())
 }
 
 /// Prints the numbers of problems of each mechanics, size and state, by status.
 fn summary(entries: &[Entry]) -> Result<()> {
-    let mut groups: BTreeMap<(&str, usize, State), [usize; 4]> = BTreeMap::new();
+    let mut groups: BTreeMap<(&str, usize, State), [usize; Status::ALL.len()]> = BTreeMap::new();
     for entry in entries {
         let group = groups.entry((&entry.mechanics, entry.grains, entry.state)).or_default();
         let status = Status::ALL.iter().position(|status| *status == entry.known.status);
         group[status.unwrap_or(0)] += 1;
     }
-    let row = |head: [String; 3], counts: &[usize; 4]| {
+    let row = |head: [String; 3], counts: &[usize; Status::ALL.len()]| {
         let all: usize = counts.iter().sum();
         head.into_iter().chain([all.to_string()]).chain(counts.iter().map(usize::to_string)).collect()
     };
     let mut rows: Vec<Vec<String>> = Vec::new();
-    let mut total = [0; 4];
+    let mut total = [0; Status::ALL.len()];
     for ((mechanics, grains, state), counts) in &groups {
         rows.push(row([(*mechanics).to_owned(), grains.to_string(), state.name().to_owned()], counts));
         total.iter_mut().zip(counts).for_each(|(total, count)| *total += count);
@@ -228,6 +229,7 @@ impl Add {
     fn run(&self, root: &Root, collection: &Collection) -> Result<()> {
         let about = About { state: self.state, licence: self.licence.clone() };
         for file in &self.files {
+            let file = &root.any_problem(file)?;
             let entry = if is_foreign(file) {
                 let problem = Problem::foreign(file)?;
                 let origin = self.origin.clone();
@@ -271,7 +273,7 @@ impl Make {
 }
 
 /// Reads seeds, one a line.
-fn seeds(file: &PathBuf) -> Result<Vec<u64>> {
+fn seeds(file: &Path) -> Result<Vec<u64>> {
     let text = read_text(file)?;
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let seed = |(k, line): (usize, &str)| {

@@ -1,9 +1,9 @@
 //! `gravel submit` and `gravel accept`: impulses of another code for a problem of the collection, handed in and judged.
 
-use crate::collection::{Claimed, Collection, Division, FORMAT, Submission};
+use crate::collection::{Claimed, Collection, Division, FORMAT, Standing, Submission};
 use crate::in_one_paragraph;
 use crate::problems::Given;
-use crate::root::Root;
+use crate::root::{Root, is_json};
 use crate::terminal::{check_apart, exit, prepare_place, replaces, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
@@ -129,8 +129,7 @@ fn files(what: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let mut inside = Vec::new();
         for entry in std::fs::read_dir(path).with_context(name)? {
             let file = entry.with_context(name)?.path();
-            let ending = file.to_string_lossy().trim_end_matches(".gz").ends_with(".json");
-            inside.extend((ending && file.is_file()).then_some(file));
+            inside.extend((is_json(&file) && file.is_file()).then_some(file));
         }
         if inside.is_empty() {
             bail!("{}: the folder holds no submission, a file that ends in .json or .json.gz", name());
@@ -151,27 +150,18 @@ fn one(collection: &Collection, file: &Path, dry_run: bool) -> Result<String> {
     let answers = collection.answers(&entry.id)?;
     let judged = submission.judged(&entry, &problem, &answers).with_context(name)?;
     let (verified, id) = (judged.verified, &entry.id);
-    let mut words = format!("{id}, natural map {:.3e} (verified)", verified.natural_map);
-    words += if verified.certified { ", certified" } else { ", not certified" };
-    if let Some(distance) = judged.distance {
-        words += &format!(", {distance:.1e} from the nearest known solution");
-    }
-    if let Some(seconds) = submission.claimed.seconds {
-        words += &format!("; {seconds} s (claimed)");
-    }
+    let mut words = vec![
+        id.clone(),
+        format!("natural map {:.3e} (verified)", verified.natural_map),
+        if verified.certified { "certified".to_owned() } else { "not certified".to_owned() },
+    ];
+    words.extend(judged.distance.map(|distance| format!("{distance:.1e} from the nearest known solution")));
+    words.extend(submission.claimed.seconds.map(|seconds| format!("{seconds} s (claimed)")));
     if collection.file("submissions", &format!("{}.json.gz", submission.name())).is_file() {
-        return Ok(words + "; it was filed before");
+        return Ok(words.join(", ") + "; it was filed before");
     }
-    if let Some((better, _)) = &judged.better {
-        let (before, now) = (entry.known, better.known);
-        words += &match (before.status == now.status, now.solutions > before.solutions) {
-            (false, _) => {
-                format!("; the problem was {}, and is {} now", before.status.name(), now.status.name())
-            }
-            (true, true) => format!("; a new solution, the {}. that is known", now.solutions),
-            (true, false) => "; the least natural map that is known".to_owned(),
-        };
-    }
+    let brought =
+        judged.better.as_ref().map_or_else(String::new, |(better, _)| brought(entry.known, better.known));
     if !dry_run {
         let _whole = exit::whole();
         if let Some((entry, answers)) = &judged.better {
@@ -179,5 +169,16 @@ fn one(collection: &Collection, file: &Path, dry_run: bool) -> Result<String> {
         }
         submission.file(collection, verified)?;
     }
-    Ok(words)
+    Ok(words.join(", ") + &brought)
+}
+
+/// Returns what a submission changed of the knowledge of a problem, in words.
+fn brought(before: Standing, now: Standing) -> String {
+    if before.status != now.status {
+        return format!("; the problem was {}, and is {} now", before.status.name(), now.status.name());
+    }
+    if now.solutions > before.solutions {
+        return format!("; a new solution, {} are known", now.solutions);
+    }
+    "; the least natural map that is known".to_owned()
 }

@@ -2,25 +2,22 @@
 
 use crate::plan::{Marcher, Settings};
 use crate::problems::{CaseProblem, Problem, overrides};
-use crate::root::{Root, stem};
+use crate::root::{Root, is_id, stem};
 use crate::terminal::{read_sealed, read_text, write_kept, write_sealed};
 use anyhow::{Context, Result, bail, ensure};
 use cases::{AnyFrozen, all_missing, of_toml};
 use clap::ValueEnum;
 use lineup::{Law, OneProblem, Posed};
-use reference::take;
+use reference::{ROUND_OFF, RoughSolution, take};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// A collection of problems, as a folder.
-pub(crate) struct Collection {
+pub(crate) struct Collection<'r> {
+    root: &'r Root,
     folder: PathBuf,
-    /// Folders of problems that are stored elsewhere: those that were made and are kept to save time, frozen ones, those of other codes.
-    made: PathBuf,
-    frozen: PathBuf,
-    foreign: PathBuf,
 }
 
 /// Facts about a problem and its status, as its file in `entries` has them.
@@ -100,7 +97,9 @@ pub(crate) enum Status {
     Certified,
     /// Several certified solutions are stored, whose velocities differ.
     Several,
-    /// No certified solution is known; the impulses of the least natural map are stored.
+    /// Impulses of W alone are stored whose natural map is round-off; there is no certificate of W alone.
+    Solved,
+    /// No solution is known; the impulses of the least natural map are stored.
     Open,
     /// It is proved that there is no solution.
     NoSolution,
@@ -108,13 +107,15 @@ pub(crate) enum Status {
 
 impl Status {
     /// All of them, in the order of tables.
-    pub(crate) const ALL: [Self; 4] = [Self::Certified, Self::Several, Self::Open, Self::NoSolution];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Certified, Self::Several, Self::Solved, Self::Open, Self::NoSolution];
 
     /// Name in files.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Certified => "certified",
             Self::Several => "several",
+            Self::Solved => "solved",
             Self::Open => "open",
             Self::NoSolution => "no-solution",
         }
@@ -201,7 +202,8 @@ impl Foreign {
     pub(crate) fn of(file: &Path) -> Result<Self> {
         let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        let hex = |text: String, byte: &u8| text + &format!("{byte:02x}");
+        let sha256 = Sha256::digest(&bytes).iter().fold(String::new(), hex);
         Ok(Self { file: name, sha256, bytes: bytes.len() as u64 })
     }
 }
@@ -234,8 +236,9 @@ impl Answers {
                 };
                 let wanted = posed.facts().of_contact * posed.facts().contacts;
                 ensure!(r.len() == wanted, "stored impulses have {} values, not {wanted}", r.len());
-                let natural_map = Some(problem.natural_map(r));
-                return Ok(Standing { status: Status::Open, solutions: 0, spread: None, natural_map });
+                let natural_map = problem.natural_map(r);
+                let status = if natural_map <= ROUND_OFF { Status::Solved } else { Status::Open };
+                return Ok(Standing { status, solutions: 0, spread: None, natural_map: Some(natural_map) });
             }
         };
         let facts = problem.facts();
@@ -285,11 +288,10 @@ impl Answers {
 }
 
 /// Certifies impulses (N·s), and keeps those of different velocities.
-pub(crate) fn pool(problem: &dyn OneProblem, all: &[Vec<f64>]) -> Vec<reference::RoughSolution> {
+pub(crate) fn pool(problem: &dyn OneProblem, all: &[Vec<f64>]) -> Vec<RoughSolution> {
     let mut pool = Vec::new();
     for impulses in all {
-        let solution =
-            reference::RoughSolution { certificate: problem.certify(impulses), impulses: impulses.clone() };
+        let solution = RoughSolution { certificate: problem.certify(impulses), impulses: impulses.clone() };
         take(&mut pool, solution, |a, b| problem.distance(a, b));
     }
     pool
@@ -308,14 +310,9 @@ pub(crate) fn facts(posed: &Posed) -> (String, usize, usize, [f64; 2]) {
     (facts.mechanics.to_owned(), facts.grains, facts.contacts, ends)
 }
 
-/// Reports whether a text has the form of an id.
-pub(crate) fn is_id(text: &str) -> bool {
-    text.len() == 16 && text.bytes().all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte))
-}
-
-impl Collection {
+impl<'r> Collection<'r> {
     /// The collection of the checkout, or the one in a `folder`.
-    pub(crate) fn of(root: &Root, folder: Option<&Path>) -> Result<Self> {
+    pub(crate) fn of(root: &'r Root, folder: Option<&Path>) -> Result<Self> {
         if let Some(folder) = folder
             && folder.exists()
             && !folder.is_dir()
@@ -323,10 +320,7 @@ impl Collection {
             bail!("--in {}: it is a file; a collection is a folder", folder.display());
         }
         let here = || root.needed().map(|root| root.join("cases/collection"));
-        let folder = folder.map_or_else(here, |folder| Ok(folder.to_owned()))?;
-        let [made, frozen, foreign] =
-            ["results/problems", "cases/frozen", "cases/foreign"].map(|at| root.join(at));
-        Ok(Self { folder, made, frozen, foreign })
+        Ok(Self { root, folder: folder.map_or_else(here, |folder| Ok(folder.to_owned()))? })
     }
 
     /// A file of it, of a `kind`: `entries`, `problems`, `answers` or `submissions`.
@@ -386,15 +380,9 @@ impl Collection {
         Ok(entry)
     }
 
-    /// Returns the place of the problem of an entry, if it is stored here or was made.
+    /// Returns the place of the problem of an entry, if it is stored or was made.
     pub(crate) fn place(&self, entry: &Entry) -> Option<PathBuf> {
-        let name = format!("{}.json.gz", entry.id);
-        if let Some(foreign) = &entry.foreign {
-            return Some(self.foreign.join(&foreign.file)).filter(|place| place.is_file());
-        }
-        let frozen = self.frozen.join(format!("{}.json", entry.name));
-        let places = [self.file("problems", &name), self.made.join(&name), frozen];
-        places.into_iter().find(|place| place.is_file())
+        self.root.collected(&self.folder, &entry.id)
     }
 
     /// Reads the problem of an entry, and checks that it is the one; none if it is not stored and was not made.
@@ -434,7 +422,8 @@ impl Collection {
     /// Writes the file of a problem: here where it is `stored`, else where it need not be made again.
     pub(crate) fn write_problem(&self, id: &str, frozen: &AnyFrozen, stored: bool) -> Result<()> {
         let name = format!("{id}.json.gz");
-        let place = if stored { self.file("problems", &name) } else { self.made.join(name) };
+        let place =
+            if stored { self.file("problems", &name) } else { self.root.join("results/problems").join(name) };
         write_kept(&place, &frozen.to_json()?)
     }
 }

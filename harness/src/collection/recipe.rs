@@ -115,7 +115,9 @@ impl Recipe {
             }
         }
         let mut marches: Vec<Vec<Wanted>> = marches.into_values().collect();
-        marches.iter_mut().for_each(|march| march.sort_by_key(|wanted| wanted.made.time_step));
+        for march in &mut marches {
+            march.sort_by_key(|wanted| wanted.made.time_step);
+        }
         Ok(marches)
     }
 }

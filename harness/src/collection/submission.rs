@@ -1,6 +1,6 @@
 //! Submissions: impulses that a code found for a problem of the collection, judged from these alone.
 
-use super::entry::{Answers, Collection, Entry, agree};
+use super::entry::{Answers, Collection, Entry, Status, agree};
 use crate::problems::Problem;
 use crate::terminal::{read_sealed, write_sealed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -43,6 +43,9 @@ pub(crate) struct Submission {
     /// Impulses in the problem's contact order, a flat list (N·s).
     pub(crate) impulse: Vec<f64>,
 }
+
+/// Longest name of a code, or of its version (B).
+const LONGEST: usize = 100;
 
 /// Division of a submission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, JsonSchema, Serialize, Deserialize)]
@@ -100,7 +103,9 @@ impl Submission {
     pub(crate) fn read(file: &Path) -> Result<Self> {
         let (text, _) = read_sealed(file)?;
         let read = || -> Result<Self> {
-            let submission: Self = of_json(&text).map_err(|error| anyhow!(error))?;
+            let is_json = serde_json::from_str::<serde_json::Value>(&text).is_ok();
+            let hint = if is_json { "" } else { "; a submission is JSON, as `gravel submit` writes it" };
+            let submission: Self = of_json(&text).map_err(|error| anyhow!("{error}{hint}"))?;
             submission.check()?;
             Ok(submission)
         };
@@ -113,6 +118,8 @@ impl Submission {
         ensure!(format == FORMAT, "`format` is {format:?}: it must be {FORMAT:?}");
         for (key, text) in [("code", code), ("version", version)] {
             ensure!(!text.trim().is_empty(), "`{key}` is empty: it must name the {key}");
+            let is_short = text.len() <= LONGEST && !text.contains(char::is_control);
+            ensure!(is_short, "`{key}` is {text:?}: it must be a line of at most {LONGEST} bytes");
         }
         let is_silent = *division == Division::Open && how.trim().is_empty();
         ensure!(!is_silent, "`how` is empty: in the open division it must say what was tuned, and on what");
@@ -184,9 +191,10 @@ impl Submission {
             if self.how.is_empty() { "not said" } else { &self.how },
             self.division.name()
         );
+        let is_least = entry.known.natural_map.is_none_or(|least| verified.natural_map < least);
         let new = match &problem.posed {
             Posed::Grains(grains) => self.on_grains(&**grains, verified, answers)?,
-            Posed::W(_) => self.is_least(entry, verified).then(|| (Answers::Best(self.impulse.clone()), "")),
+            Posed::W(_) => is_least.then(|| (Answers::Best(self.impulse.clone()), "")),
         };
         let distance = match &problem.posed {
             Posed::Grains(grains) => distance(&**grains, answers, &self.impulse),
@@ -196,7 +204,7 @@ impl Submission {
             None => None,
             Some((answers, polished)) => {
                 let known = answers.standing(&problem.posed)?;
-                let was_open = matches!(entry.known.status, super::entry::Status::Open);
+                let was_open = matches!(entry.known.status, Status::Open | Status::Solved);
                 let (by, how) =
                     if was_open { (by, how + polished) } else { (entry.by.clone(), entry.how.clone()) };
                 Some((Entry { by, how, known, ..entry.clone() }, answers))
@@ -241,10 +249,6 @@ impl Submission {
             }
             (_, None) => None,
         })
-    }
-
-    fn is_least(&self, entry: &Entry, verified: Verified) -> bool {
-        entry.known.natural_map.is_none_or(|least| verified.natural_map < least)
     }
 
     /// Returns the name of its file in the collection: the problem, and the hash of all that was submitted.

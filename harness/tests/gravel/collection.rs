@@ -76,7 +76,10 @@ fn recipe_freezes_one_march_at_several_time_steps_and_makes_what_is_missing() {
     let recipe = write(study.folder(), "recipe.toml", recipe);
     study.gravel(&["collection", "make", text(&recipe)]).succeeded();
     let listed = study.gravel(&["collection", "list", "--only", "status=certified"]).succeeded().stdout;
-    assert!(listed.ends_with("2 problems: 2 certified, 0 several, 0 open, 0 no-solution\n"), "{listed}");
+    assert!(
+        listed.ends_with("2 problems: 2 certified, 0 several, 0 solved, 0 open, 0 no-solution\n"),
+        "{listed}"
+    );
     for time_step in ["1", "3"] {
         let frozen = study.folder().path().join("frozen.json.gz");
         let freeze =
@@ -215,6 +218,58 @@ fn submission_is_judged_filed_and_certifies_an_open_problem() {
     assert!(shown.contains("claimed: 0.5 s"), "{shown}");
     let checked = study.gravel(&["collection", "check", "--sample", "1"]).succeeded().stdout;
     assert_eq!(checked, "1 problems, 3 submissions: 0 faults\n");
+}
+
+/// The pair with friction: grains that may spin, on a floor and on each other.
+fn rough_pair() -> Value {
+    let mut pair = pair_with("/format", "gravel/contact-problem/2".into());
+    pair["name"] = "rough-pair".into();
+    pair["grains"]["inertia"] = json!([0.125, 0.25]);
+    pair["grains"]["free_velocity"] = json!([[0.0, -0.05, 0.0], [0.0, -0.05, 0.0]]);
+    pair["contacts"]["offset"] = json!([[0.0, 0.0], [0.0, 0.0]]);
+    pair["contacts"]["friction"] = json!([0.3, 0.3]);
+    pair
+}
+
+#[test]
+fn frictional_impulses_near_a_solution_are_polished_to_it_and_outside_the_cone_refused() {
+    let study = Study::new();
+    let rough = write(study.folder(), "rough.json", &rough_pair().to_string());
+    study.gravel(&["collection", "add", text(&rough), "--state", "rest"]).succeeded();
+    let id = ids(&study).remove(0);
+    fs::write(file(&study, &format!("answers/{id}.json.gz")), sealed("{\"best\":[0.07,0.0,0.05,0.0]}"))
+        .unwrap();
+    let slides = submission(&id, &json!([0.15, 0.0451, 0.1, 0.0]));
+    let slides = write(study.folder(), "slides.json", &slides.to_string());
+    let said = study.gravel(&["accept", text(&slides)]).ended(1).stdout;
+    assert!(said.contains("`impulse` of contact 0 is") && said.contains("at most μ times"), "{said}");
+    let near =
+        write(study.folder(), "near.json", &submission(&id, &json!([0.151, 0.0, 0.1, 0.001])).to_string());
+    study.gravel(&["accept", text(&near)]).succeeded();
+    let shown = study.gravel(&["collection", "show", &id]).succeeded().stdout;
+    assert!(shown.contains("status: certified"), "{shown}");
+    study.gravel(&["collection", "check"]).succeeded();
+}
+
+#[test]
+fn problem_of_w_alone_is_kept_by_the_hash_of_its_file() {
+    let study = Study::new();
+    let dump = "Box_Stacks-i0122-82-5.hdf5";
+    let foreign = study.folder().path().join("cases/foreign");
+    fs::create_dir_all(&foreign).unwrap();
+    fs::copy(checkout().join("cases/foreign").join(dump), foreign.join(dump)).unwrap();
+    let dump = foreign.join(dump);
+    study.gravel(&["collection", "add", text(&dump)]).refused(&["--origin"]);
+    study.gravel(&["collection", "add", text(&dump), "--origin", "Siconos"]).succeeded();
+    let id = ids(&study).remove(0);
+    let shown = study.gravel(&["collection", "show", &id]).succeeded().stdout;
+    assert!(shown.contains("eed0bcae06d31f0a2d9606f1b1b9b521555b582312f108cfbf12f767177fa6fd"), "{shown}");
+    assert!(shown.contains("status: solved"), "{shown}");
+    assert!(!file(&study, "problems").exists(), "the file of another code is not copied");
+    study.gravel(&["solve", &id, "--method", "nsgs", "--tolerance", "1e-2"]).succeeded();
+    fs::remove_file(&dump).unwrap();
+    let checked = study.gravel(&["collection", "check"]).succeeded().stdout;
+    assert!(checked.contains("1 are not stored"), "{checked}");
 }
 
 #[test]
