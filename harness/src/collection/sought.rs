@@ -12,9 +12,10 @@ use reference::{Answer, RoughSolution, take};
 use runner::{Progress, Stop};
 use std::ops::ControlFlow;
 
-/// Iterations of each run of the active set; and of one on more contacts than [`MANY`], where an iteration may be a factor of seconds.
+/// Iterations of each run of the active set; and of accelerated sweeps on more contacts than [`MANY`], where an iteration of the active
+/// set may be factors of minutes.
 const MOST: u64 = 20_000;
-const MOST_ON_MANY: u64 = 2_000;
+const SWEEPS: u64 = 2_000;
 const MANY: usize = 5_000;
 
 /// Contacts up to which solutions are sought from three random starts as well, each of many more iterations.
@@ -75,17 +76,23 @@ fn with_friction(
     let best = ends.into_iter().reduce(|best, end| if end.0 < best.0 { end } else { best });
     let Some((_, impulses, how)) = best else { bail!("no run") };
     if pool.iter().any(|solution| solution.certificate.certified()) {
+        let is_of_a_run = pool.iter().any(|solution| solution.impulses == impulses);
+        let how = if is_of_a_run { how } else { "active-set from random impulses".to_owned() };
         let all = pool.into_iter().map(|solution| solution.impulses).collect();
         return Ok((Answers::Solutions(all), how));
     }
     Ok((Answers::Best(impulses), how))
 }
 
-/// Runs the active set, and returns its last impulses (N·s) and the run in words.
+/// Runs the active set, or accelerated sweeps where contacts are many, and returns its last impulses (N·s) and the run in words.
 fn run(problem: &Problem, warm: bool) -> Result<(Vec<f64>, String)> {
-    let method = Method::parse("active-set", &[])?;
-    let is_large = problem.posed.facts().contacts > MANY;
-    let most = if is_large { MOST_ON_MANY } else { MOST };
+    let accelerated = [("acceleration".to_owned(), "nesterov".to_owned())];
+    let (name, settings, most) = if problem.posed.facts().contacts > MANY {
+        ("nsgs", &accelerated[..], SWEEPS)
+    } else {
+        ("active-set", &[][..], MOST)
+    };
+    let method = Method::parse(name, settings)?;
     // No residual is asked for: the run ends where its method makes no progress.
     let stop = Stop { on: Measure::NaturalMap, tolerance: 0.0, max_iterations: most };
     let mut line = Line::alone(format!("{} on {}", method.name, problem.name));
@@ -96,6 +103,5 @@ fn run(problem: &Problem, warm: bool) -> Result<(Vec<f64>, String)> {
     };
     let ended = outcome(problem, &Known::default(), (&method, &stop), &problem.start(warm), &mut observe)?;
     let from = if warm { "the impulses of the time step before" } else { "r = 0" };
-    let name = method.name;
     Ok((ended.impulses, format!("{name} from {from}, at most {most} iterations")))
 }
