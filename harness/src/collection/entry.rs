@@ -4,12 +4,13 @@ use crate::plan::{Marcher, Settings};
 use crate::problems::{CaseProblem, Problem, overrides};
 use crate::root::{Root, is_id, stem};
 use crate::terminal::{read_sealed, read_text, write_kept, write_sealed};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use cases::{AnyFrozen, all_missing, of_toml};
 use clap::ValueEnum;
 use lineup::{Law, OneProblem, Posed};
 use reference::{ROUND_OFF, RoughSolution, take};
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -154,6 +155,19 @@ impl Standing {
 /// Share by which two computations of one residual may differ, and the residual below which both are round-off (–).
 const THREE_DIGITS: f64 = 1e-3;
 const ROUNDED: f64 = 1e-12;
+
+/// Reads a file of TOML.
+///
+/// # Errors
+/// Names the file, all keys that it lacks, or the first that is wrong.
+pub(crate) fn of_file<T: DeserializeOwned + JsonSchema>(file: &Path) -> Result<T> {
+    let text = read_text(file)?;
+    let lacks = |(_, error): (String, toml::de::Error)| match text.parse::<toml::Table>() {
+        Ok(content) => anyhow!(all_missing::<T>(&content, error.to_string())),
+        Err(_) => error.into(),
+    };
+    of_toml(&text).map_err(lacks).with_context(|| file.display().to_string())
+}
 
 /// Reports whether two numbers are the same residual, computed twice.
 pub(crate) fn agree(a: f64, b: f64) -> bool {
@@ -304,7 +318,7 @@ pub(crate) fn facts(posed: &Posed) -> (String, usize, usize, [f64; 2]) {
         Posed::Grains(problem) => problem.touching().iter().map(|contact| contact.friction).collect(),
         Posed::W(problem) => problem.friction().to_vec(),
     };
-    let least = friction.iter().copied().fold(f64::INFINITY, f64::min).min(1e300);
+    let least = friction.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = friction.iter().copied().fold(0.0, f64::max);
     let ends = if friction.is_empty() { [0.0; 2] } else { [least, greatest] };
     (facts.mechanics.to_owned(), facts.grains, facts.contacts, ends)
@@ -363,14 +377,7 @@ impl<'r> Collection<'r> {
                 self.folder.display()
             );
         }
-        let text = read_text(&file)?;
-        let read = || {
-            of_toml::<Entry>(&text).map_err(|(_, error)| match text.parse::<toml::Table>() {
-                Ok(content) => anyhow::anyhow!(all_missing::<Entry>(&content, error.to_string())),
-                Err(_) => error.into(),
-            })
-        };
-        let entry = read().with_context(|| file.display().to_string())?;
+        let entry: Entry = of_file(&file)?;
         ensure!(
             entry.id == id,
             "{}: `id` is {:?}, and the file is named after another",

@@ -1,13 +1,13 @@
 //! Recipes: a file that says which time steps of which cases are the problems of a collection.
 
-use super::entry::{Answers, Collection, Entry, Made, State, facts};
+use super::entry::{Answers, Collection, Entry, Made, State, facts, of_file};
 use super::sought::sought;
 use crate::plan::{PlannedCase, Settings};
 use crate::problems::{CaseProblem, Problem, combined};
 use crate::root::Root;
-use crate::terminal::{read_text, say};
-use anyhow::{Context, Result, anyhow, bail, ensure};
-use cases::{AnyFrozen, all_missing, of_toml};
+use crate::terminal::say;
+use anyhow::{Context, Result, bail, ensure};
+use cases::AnyFrozen;
 use results::settings::TIME_STEP;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -48,12 +48,7 @@ struct Wanted {
 impl Recipe {
     /// Reads a recipe.
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let text = read_text(path)?;
-        let lacks = |(_, error): (String, toml::de::Error)| match text.parse::<toml::Table>() {
-            Ok(content) => anyhow!(all_missing::<Self>(&content, error.to_string())),
-            Err(_) => error.into(),
-        };
-        let recipe: Self = of_toml(&text).map_err(lacks).with_context(|| path.display().to_string())?;
+        let recipe: Self = of_file(path)?;
         ensure!(!recipe.cases.is_empty(), "{}: `cases` is empty: no problem is asked for", path.display());
         Ok(recipe)
     }

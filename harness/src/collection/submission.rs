@@ -154,8 +154,12 @@ impl Submission {
                 Verified { natural_map: problem.measures(&[], r).natural_map, certified }
             }
             Posed::W(problem) => {
-                let found = r.iter().position(|x| !x.is_finite());
-                ensure!(found.is_none(), "`impulse[{}]` is not finite", found.unwrap_or(0));
+                let mut contacts = r.chunks(each).zip(problem.friction()).enumerate();
+                if let Some((k, (own, mu))) = contacts.find(|(_, (own, mu))| !is_in_cone(own, **mu)) {
+                    bail!(
+                        "`impulse` of contact {k} is {own:?}: it must be finite, with a normal part that is not negative and a tangential part of at most {mu} times it"
+                    );
+                }
                 Verified { natural_map: problem.natural_map(r), certified: false }
             }
         };
@@ -264,6 +268,15 @@ impl Submission {
         self.verified = Some(verified);
         write_sealed(&file, &serde_json::to_string(&self)?)
     }
+}
+
+/// Share by which an impulse of W alone may be outside of its cone (–), which is that of impulses between grains.
+const OUTSIDE: f64 = 1e-9;
+
+/// Reports whether an impulse (N·s), its normal part first, is finite and in the cone of μ.
+fn is_in_cone(r: &[f64], mu: f64) -> bool {
+    let along = r[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
+    r[0] >= 0.0 && r[0].is_finite() && along <= (1.0 + OUTSIDE) * mu * r[0]
 }
 
 /// Solutions that are stored of one problem at most: where there is a continuum, more say nothing new.

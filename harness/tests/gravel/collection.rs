@@ -267,6 +267,14 @@ fn problem_of_w_alone_is_kept_by_the_hash_of_its_file() {
     assert!(shown.contains("status: solved"), "{shown}");
     assert!(!file(&study, "problems").exists(), "the file of another code is not copied");
     study.gravel(&["solve", &id, "--method", "nsgs", "--tolerance", "1e-2"]).succeeded();
+    let mut outside = vec![0.0; 3 * 82];
+    outside[3] = 1.0;
+    outside[4] = 1.0;
+    let outside = write(study.folder(), "outside.json", &submission(&id, &json!(outside)).to_string());
+    let said = study.gravel(&["accept", text(&outside)]).ended(1).stdout;
+    assert!(said.contains("`impulse` of contact 1 is [1.0, 1.0, 0.0]"), "{said}");
+    let none = write(study.folder(), "none.json", &submission(&id, &json!(vec![0.0; 3 * 82])).to_string());
+    study.gravel(&["accept", text(&none)]).succeeded();
     fs::remove_file(&dump).unwrap();
     let checked = study.gravel(&["collection", "check"]).succeeded().stdout;
     assert!(checked.contains("1 are not stored"), "{checked}");
