@@ -1,10 +1,11 @@
 //! Spheres with friction: what the plane gives in space, and what is known of one sphere.
 
 use crate::friction::rough;
-use crate::spheres::{in_step, sphere_problem_of};
+use crate::spheres::{in_step, marched_to, sphere_problem_of};
 use active_set::Convex;
 use analysis::Meter;
 use cg::{Cg, Preconditioner};
+use contact::acceleration::Acceleration;
 use contact::{
     Contact, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Spheres, Truth, frame,
 };
@@ -109,6 +110,28 @@ fn relaxation_of_a_layer_in_space_is_that_of_the_plane() {
     let greatest = in_plane.iter().copied().fold(0.0, f64::max);
     for k in 0..flat.contact_count() {
         assert!((in_plane[2 * k] - in_space[3 * k]).abs() < 1e-3 * greatest, "contact {k}");
+    }
+}
+
+/// Walls that begin to move make contacts slide around their cones: with all of u along the circle, in the place of the part that
+/// projection leaves, conjugate gradients end at a natural map of 0.1 here.
+#[test]
+fn conjugate_gradients_solve_spheres_whose_walls_begin_to_move() {
+    let side = "0.78";
+    let overrides = [
+        ("sample.grains", "60"),
+        ("scene.box.width_m", side),
+        ("scene.box.depth_m", side),
+        ("scene.friction", "0.3"),
+    ];
+    let nsgs = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
+    let stop = Stop { tolerance: 1e-4, max_iterations: 2000, ..Stop::default() };
+    let problem = marched_to::<RoughSpheres>("sphere-shear-box", &overrides, 303, &nsgs, &stop);
+    for preconditioner in [Preconditioner::None, Preconditioner::Diagonal] {
+        let stop = Stop { tolerance: 1e-8, max_iterations: 5000, ..Stop::default() };
+        let none = vec![0.0; problem.impulse_count()];
+        let outcome = solve(&Cg { preconditioner }, &problem, &none, &stop, &mut |_| {}).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{preconditioner:?}");
     }
 }
 

@@ -4,7 +4,7 @@ use crate::problems::{PACKINGS, frozen};
 use active_set::ActiveSet;
 use analysis::Meter;
 use apgd::Apgd;
-use cases::{Case, March};
+use cases::{Case, March, Marched};
 use cg::{Cg, Preconditioner};
 use contact::{Contact, Discs, Iteration, Measure, Packing, Solver, Spheres, Truth, Vector};
 use gradient::Gradient;
@@ -41,13 +41,24 @@ fn embedded(problem: &Packing) -> Packing<Spheres> {
 
 /// The contact problem of a case at a time step, marched to by conjugate gradients.
 fn sphere_problem(case: &str, overrides: &[(&str, &str)], time_step: u64) -> Packing<Spheres> {
+    let cg = Cg { preconditioner: Preconditioner::Diagonal };
+    marched_to(case, overrides, time_step, &cg, &Stop::default())
+}
+
+/// The contact problem of a case at a time step, marched to by a method.
+pub(crate) fn marched_to<M: Marched>(
+    case: &str,
+    overrides: &[(&str, &str)],
+    time_step: u64,
+    method: &dyn Solver<M>,
+    stop: &Stop,
+) -> Packing<M> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(case).with_extension("toml");
     let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
     let case = Case::read(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
-    let mut march = March::<Spheres>::new(&case).unwrap();
-    let cg = Cg { preconditioner: Preconditioner::Diagonal };
+    let mut march = March::<M>::new(&case).unwrap();
     for _ in 1..time_step {
-        march.time_step(&cg, &Stop::default()).unwrap();
+        march.time_step(method, stop).unwrap();
     }
     march.next().unwrap().frozen.problem
 }

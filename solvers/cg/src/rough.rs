@@ -168,12 +168,13 @@ impl Cg {
     where
         Rough<D>: Frictional<D>,
     {
-        let b = problem.b();
+        let (b, w) = (problem.b(), problem.delassus_diagonal());
         let state = |contact: usize, unit: SVector<f64, D>| {
             State::new(
                 SVector::<f64, D>::at(&b, contact).component_div(&unit),
                 SVector::<f64, D>::at(r0, contact).component_mul(&unit),
                 problem.contacts()[contact].friction * (unit[1] / unit[0]),
+                SVector::<f64, D>::at(&w, contact)[1] / (unit[1] * unit[1]),
             )
         };
         ConeRun::new(Product::over(layout, problem, self.is_scaled(), state), greatest)

@@ -19,6 +19,8 @@ pub struct State<const D: usize> {
     pub(crate) b: SVector<f64, D>,
     /// μ.
     friction: f64,
+    /// `w_t`, of `W_αα`.
+    weight: f64,
     pub(crate) r: SVector<f64, D>,
     /// u = −(W r + b).
     pub(crate) u: SVector<f64, D>,
@@ -52,12 +54,22 @@ fn without<const D: usize>(s: SVector<f64, D>, out: &SVector<f64, D>) -> SVector
 }
 
 impl<const D: usize> State<D> {
-    /// A contact with the impulse r.
-    pub fn new(b: SVector<f64, D>, r: SVector<f64, D>, friction: f64) -> Self {
+    /// A contact with the impulse r, and `weight` `w_t` of its tangents.
+    pub fn new(b: SVector<f64, D>, r: SVector<f64, D>, friction: f64, weight: f64) -> Self {
         let none = SVector::zeros();
         let open = Status::Open;
-        let mut state =
-            Self { b, friction, r, u: none, p: none, of_p: none, d: none, status: open, enters: false };
+        let mut state = Self {
+            b,
+            friction,
+            weight,
+            r,
+            u: none,
+            p: none,
+            of_p: none,
+            d: none,
+            status: open,
+            enters: false,
+        };
         (_, state.status) = state.admitted(r, false, tangent());
         state
     }
@@ -121,8 +133,23 @@ impl<const D: usize> State<D> {
             Status::Stick => self.u,
             // Without friction there is no tangential unknown.
             Status::Slide(_) if self.friction == 0.0 => normal(self.u[0]),
-            Status::Slide(out) => without(self.u, out),
+            Status::Slide(out) => without(self.u, out) - self.around(out),
         }
+    }
+
+    /// The part of u that a contact loses where it slides around the circle of its cone, of radius ρ = μ `r_n`; 0 in the plane.
+    ///
+    /// The projection of r + u/`w_t` turns by ρ/(ρ + λ/`w_t`) of the part of u along the circle, with λ the part of u that points
+    /// out of it: so much is left, as in the reduced gradients of Z. Dostál and others (see [`crate`]). With all of it a contact
+    /// that slides fast under a small `r_n` turns through any angle at each step.
+    #[inline]
+    fn around(&self, out: &SVector<f64, D>) -> SVector<f64, D> {
+        let speed = out.dot(&self.u);
+        if D == 2 || speed <= 0.0 {
+            return SVector::zeros();
+        }
+        let along = tangential(self.u).0 - out * speed;
+        along * (speed / (speed + self.weight * self.friction * self.r[0]))
     }
 
     /// z: the part of p that the law does not block.

@@ -275,6 +275,11 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// `W_αα`, which is diagonal since normals pass through the centres (1/kg), with the inverse of the masses.
     fn diagonal(&self, inverse_mass: impl Fn(u32) -> M::Mass) -> M::Impulse;
 
+    /// μ (–); 0 without friction.
+    fn friction(&self) -> f64 {
+        0.0
+    }
+
     /// Reports whether the law admits r, up to round-off of a bound (N·s).
     fn is_admissible(&self, r: M::Impulse) -> bool;
 

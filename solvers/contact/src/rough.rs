@@ -196,6 +196,10 @@ where
         self.antagonist.map_or(candidate, |j| candidate + of(j, self.arms.y))
     }
 
+    fn friction(&self) -> f64 {
+        self.friction
+    }
+
     fn is_admissible(&self, r: SVector<f64, D>) -> bool {
         obeys_friction(r, self.friction)
     }

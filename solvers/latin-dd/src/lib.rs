@@ -73,13 +73,13 @@ pub struct LatinDd {
     /// κ of d⁺ alone (–).
     pub kappa_d_plus: Option<f64>,
     /// Adaptive directions: all are scaled a few times so that impulses and velocities change alike; if unset, where no
-    /// direction is given.
+    /// direction is given and there is no friction.
     pub adaptive: Option<bool>,
     /// Coarse problem that keeps the resultants of every interface at zero.
     pub coarse: bool,
 }
 
-/// One subdomain, derived directions that adapt, μ = 0.8, which without friction converges for any of them, and κ_t = 1, measured:
+/// One subdomain, derived directions that adapt without friction, μ = 0.8, which without friction converges for any of them, and κ_t = 1, measured:
 /// on `rough-991-mu08` at κ = 3, factors of 3 and 10 either way lose; with friction lowered to 0.3, those above 1 gain a tenth of
 /// the iterations to 1e-4 at most and a fifth of those to 1e-6.
 impl Default for LatinDd {
@@ -118,8 +118,8 @@ impl LatinDd {
         }
     }
 
-    /// Reports whether the directions adapt.
-    fn adapts(&self) -> bool {
+    /// Reports whether the directions adapt in a mechanics `M`.
+    fn adapts<M: Mechanics>(&self) -> bool {
         let given = [
             self.kappa_l,
             self.kappa_d,
@@ -128,7 +128,7 @@ impl LatinDd {
             self.kappa_d_minus,
             self.kappa_d_plus,
         ];
-        self.adaptive.unwrap_or(given.iter().all(Option::is_none))
+        self.adaptive.unwrap_or(!M::HAS_FRICTION && given.iter().all(Option::is_none))
     }
 
     /// The run that [`Solver::start`] begins, with its stages open to be taken alone.
@@ -145,7 +145,7 @@ impl LatinDd {
     {
         self.check()?;
         let directions = self.directions(problem);
-        self.check_directions(&directions)?;
+        self.check_directions::<M>(&directions)?;
         self.bind(problem, directions, r0)
     }
 
@@ -158,9 +158,9 @@ impl LatinDd {
         SetupError::unless_positive("kappa_t", self.kappa_t)
     }
 
-    fn check_directions(&self, directions: &Directions) -> Result<(), SetupError> {
+    fn check_directions<M: Mechanics>(&self, directions: &Directions) -> Result<(), SetupError> {
         directions.check()?;
-        if self.adapts() && directions.l_minus == 0.0 {
+        if self.adapts::<M>() && directions.l_minus == 0.0 {
             return Err(SetupError::new("adaptive", true, "false where kappa_l_minus is 0"));
         }
         if self.coarse && directions.d_minus == 0.0 {
@@ -191,9 +191,11 @@ where
     ) -> Result<Box<dyn Iteration + 'p>, Refused> {
         let whole = &share.whole;
         self.check()?;
-        let directions =
-            self.directions_with(|| directions::kappa_of(whole.depth, whole.contacts, whole.grains));
-        self.check_directions(&directions)?;
+        let steepest = directions::steepest(team.max(directions::greatest_friction(&share.problem)));
+        let directions = self.directions_with(|| {
+            directions::kappa_of(whole.depth, whole.contacts, whole.grains).min(steepest)
+        });
+        self.check_directions::<M>(&directions)?;
         let velocity = share.velocity(r0, team);
         let scaled_delassus_bound = whole.scaled_delassus_bound;
         let beginning = Beginning { directions, scaled_delassus_bound, start: (r0, &velocity) };

@@ -196,7 +196,8 @@ impl LatinDd {
         let partition = Partition::of_contacts(problem, self.partition, self.subdomains)?;
         let decomposition = Decomposition::new(problem, &partition);
         let team = Team::alone(decomposition.subdomains.len());
-        let scaled_delassus_bound = if self.adapts() { M::scaled_delassus_bound(problem) } else { f64::NAN };
+        let scaled_delassus_bound =
+            if self.adapts::<M>() { M::scaled_delassus_bound(problem) } else { f64::NAN };
         let mut velocity = vec![SVector::zeros(); problem.grain_count()];
         problem.velocity(r0, &mut velocity);
         let beginning = Beginning { directions, scaled_delassus_bound, start: (r0, &velocity) };
@@ -226,8 +227,8 @@ impl LatinDd {
             })
             .transpose()?;
         let bytes = subdomains.iter().map(Latin::factor_bytes).sum();
-        let second = team.unless_refused(self.adapts().then(|| Reserved::new(bytes)).transpose())?;
-        let balance = self.adapts().then(|| {
+        let second = team.unless_refused(self.adapts::<M>().then(|| Reserved::new(bytes)).transpose())?;
+        let balance = self.adapts::<M>().then(|| {
             let iterates = subdomains.iter().flat_map(Latin::linear_iterate).count();
             Balance::new::<M>(scaled_delassus_bound, iterates, self.kappa_t)
         });

@@ -24,7 +24,8 @@ impl<'p, const D: usize> Stored<'p, D> {
         let state = |(contact, unit): (usize, &SVector<f64, D>)| {
             let q = SVector::<f64, D>::at(problem.q(), contact);
             let friction = problem.friction()[contact] * (unit[D - 1] / unit[0]);
-            State::new(q.component_div(unit), SVector::zeros(), friction)
+            let weight = problem.weight::<D>(contact)[D - 1] / (unit[D - 1] * unit[D - 1]);
+            State::new(q.component_div(unit), SVector::zeros(), friction, weight)
         };
         let none = vec![SVector::zeros(); unit.len()];
         let states = unit.iter().enumerate().map(state).collect();
