@@ -230,10 +230,8 @@ pub(crate) enum Answers {
     Solutions(Vec<Vec<f64>>),
     /// The impulses of the least natural map, where none is certified.
     Best(Vec<f64>),
-    /// Impulses that prove, without friction, that there is no solution.
+    /// Normal impulses that prove that there is no solution, one of each contact.
     Ray(Vec<f64>),
-    /// No solution with friction, since the normal parts alone have none: proved again each time it is asked.
-    NormalParts {},
 }
 
 impl Answers {
@@ -256,14 +254,19 @@ impl Answers {
             }
         };
         let facts = problem.facts();
-        let wanted = facts.of_contact * facts.contacts;
-        if let Some(r) = self.impulses().find(|r| r.len() != wanted) {
+        let (all, each) = match self {
+            Self::Solutions(all) => (all.as_slice(), facts.of_contact),
+            Self::Best(r) => (std::slice::from_ref(r), facts.of_contact),
+            Self::Ray(ray) => (std::slice::from_ref(ray), 1),
+        };
+        let wanted = each * facts.contacts;
+        if let Some(r) = all.iter().find(|r| r.len() != wanted) {
             bail!("stored impulses have {} values, not {wanted}", r.len());
         }
         let natural_map = |r: &[f64]| problem.measures(&[], r).natural_map;
         let none = Standing { status: Status::NoSolution, solutions: 0, spread: None, natural_map: None };
-        Ok(match (self, problem.law()) {
-            (Self::Solutions(all), _) => {
+        Ok(match self {
+            Self::Solutions(all) => {
                 let different = pool(problem, all);
                 let certified = different.iter().all(|solution| solution.certificate.certified());
                 ensure!(certified && !all.is_empty(), "a stored solution is not certified");
@@ -278,26 +281,22 @@ impl Answers {
                     natural_map: Some(least),
                 }
             }
-            (Self::Best(r), _) => {
+            Self::Best(r) => {
                 ensure!(
                     !problem.certify(r).certified(),
                     "the best impulses of an open problem are certified"
                 );
                 Standing { status: Status::Open, natural_map: Some(natural_map(r)), ..none }
             }
-            (Self::Ray(ray), Law::Frictionless(law)) if law.proves_infeasible(ray) => none,
-            (Self::NormalParts {}, Law::Frictional { problem: law, .. }) if law.has_no_solution() => none,
-            (Self::Ray(_) | Self::NormalParts {}, _) => bail!("it is not proved that there is no solution"),
+            Self::Ray(ray) => {
+                let proves = match problem.law() {
+                    Law::Frictionless(law) => law.proves_infeasible(ray),
+                    Law::Frictional { problem: law, .. } => law.proves_infeasible(ray),
+                };
+                ensure!(proves, "the stored ray does not prove that there is no solution");
+                none
+            }
         })
-    }
-
-    fn impulses(&self) -> impl Iterator<Item = &Vec<f64>> {
-        match self {
-            Self::Solutions(all) => all.as_slice(),
-            Self::Best(r) | Self::Ray(r) => std::slice::from_ref(r),
-            Self::NormalParts {} => &[],
-        }
-        .iter()
     }
 }
 

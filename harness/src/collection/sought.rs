@@ -41,10 +41,10 @@ pub(crate) fn sought(problem: &Problem) -> Result<(Answers, String)> {
             };
             Ok((answers, how.to_owned()))
         }
-        Law::Frictional { problem: law, .. } if law.has_no_solution() => {
-            Ok((Answers::NormalParts {}, "exact arithmetic on the normal parts".to_owned()))
-        }
-        Law::Frictional { problem: law, .. } => with_friction(problem, grains, law),
+        Law::Frictional { problem: law, .. } => match law.ray() {
+            Some(ray) => Ok((Answers::Ray(ray), "exact arithmetic on the normal parts".to_owned())),
+            None => with_friction(problem, grains, law),
+        },
     }
 }
 

@@ -235,7 +235,7 @@ impl Submission {
             (polished(), ", polished by gravel")
         };
         Ok(match (answers, solution) {
-            (Answers::Ray(_) | Answers::NormalParts {}, Some(_)) => {
+            (Answers::Ray(_), Some(_)) => {
                 bail!(
                     "the impulses are certified, and it is proved that there is no solution: the keeper must look into both"
                 )

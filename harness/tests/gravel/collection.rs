@@ -139,7 +139,7 @@ fn statuses_are_recomputed_and_nothing_false_passes_the_check() {
         (sealed("{\"solutions\":[[0.15,0.09]]}"), "not certified"),
         (sealed("{\"solutions\":[[0.15,0.1],[0.15,0.1]]}"), "one velocity"),
         (sealed("{\"solutions\":[[0.15]]}"), "1 values"),
-        (sealed("{\"ray\":[0.15,0.1]}"), "not proved"),
+        (sealed("{\"ray\":[0.15,0.1]}"), "does not prove"),
         (sealed("{\"best\":[0.15,0.1]}"), "are certified"),
         ("{\"solutions\":[[0.15,0.1]]}".to_owned(), "no checksum"),
     ] {
@@ -166,13 +166,19 @@ fn problem_without_solution_is_one_by_a_proof() {
     let listed =
         study.gravel(&["collection", "list", "--only", "status=no-solution", "--ids"]).succeeded().stdout;
     assert_eq!(listed.lines().count(), 2);
-    let smooth =
-        study.gravel(&["collection", "list", "--only", "mechanics=discs", "--ids"]).succeeded().stdout;
-    let answers = file(&study, &format!("answers/{}.json.gz", smooth.trim()));
-    // One push of three proves nothing.
-    fs::write(&answers, sealed("{\"ray\":[1.0,0.0,0.0]}")).unwrap();
-    let checked = study.gravel(&["collection", "check"]).failed().stdout;
-    assert!(checked.contains("not proved") && checked.contains("1 faults"), "{checked}");
+    let checked = study.gravel(&["collection", "check"]).succeeded().stdout;
+    assert_eq!(checked, "2 problems, 0 submissions: 0 faults\n");
+    for id in listed.lines() {
+        let answers = file(&study, &format!("answers/{id}.json.gz"));
+        let proof = fs::read(&answers).unwrap();
+        // One push of three proves nothing, nor does one that pulls.
+        for ray in ["[1.0,0.0,0.0]", "[-1.0,-1.0,-1.0]", "[0.0,0.0,0.0]"] {
+            fs::write(&answers, sealed(&format!("{{\"ray\":{ray}}}"))).unwrap();
+            let checked = study.gravel(&["collection", "check"]).failed().stdout;
+            assert!(checked.contains("does not prove") && checked.contains("1 faults"), "{checked}");
+        }
+        fs::write(&answers, proof).unwrap();
+    }
 }
 
 #[test]
