@@ -47,12 +47,18 @@ mod team {
 
 /// The collection: problems by the hash of their content, what is known of their solutions, and submissions.
 mod collection {
+    mod answers;
+    mod check;
     mod entry;
+    mod folder;
     mod recipe;
     mod sought;
     mod submission;
 
-    pub(crate) use entry::{Collection, Entry, Foreign, Standing, State, Status, facts};
+    pub(crate) use answers::{Standing, Status};
+    pub(crate) use check::{checked, orphans, submitted};
+    pub(crate) use entry::{Entry, Foreign, State};
+    pub(crate) use folder::Collection;
     pub(crate) use recipe::{About, Recipe};
     pub(crate) use submission::{Claimed, Division, FORMAT, Submission, distance};
 }

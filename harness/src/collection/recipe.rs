@@ -1,6 +1,8 @@
 //! Recipes: a file that says which time steps of which cases are the problems of a collection.
 
-use super::entry::{Answers, Collection, Entry, Made, State, facts, of_file};
+use super::answers::Answers;
+use super::entry::{Entry, Made, State, facts, of_file};
+use super::folder::Collection;
 use super::sought::sought;
 use crate::plan::{PlannedCase, Settings};
 use crate::problems::{CaseProblem, Problem, combined};

@@ -1,6 +1,6 @@
 //! Answers to a problem that gravel finds, within a counted limit: the same on every machine.
 
-use super::entry::Answers;
+use super::answers::Answers;
 use crate::plan::Method;
 use crate::problems::{Known, Problem};
 use crate::run::outcome;

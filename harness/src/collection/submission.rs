@@ -1,6 +1,8 @@
 //! Submissions: impulses that a code found for a problem of the collection, judged from these alone.
 
-use super::entry::{Answers, Collection, Entry, Status, agree};
+use super::answers::{Answers, Status, agree};
+use super::entry::Entry;
+use super::folder::Collection;
 use crate::problems::Problem;
 use crate::terminal::{read_sealed, write_sealed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
