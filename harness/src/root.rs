@@ -182,6 +182,11 @@ impl Root {
         let collected =
             || wanted.contains(&Kind::Frozen).then(|| self.collected(&collection, name)).flatten();
         let named = named.cloned().or_else(collected);
+        if named.is_none() && is_id(name) && !Path::new(name).exists() {
+            bail!(
+                "no problem `{name}` here: `gravel collection show {name}` says whether it is known, and what makes it"
+            );
+        }
         let path = named.map_or_else(|| typed(name, what, &known), Ok)?;
         let found = Kind::of(&path);
         // Whoever reads a file says what is wrong inside it.

@@ -78,6 +78,7 @@ struct Add {
 #[derive(clap::Args)]
 struct Make {
     /// A recipe file; or the id of a problem that is not stored, whose file is made in results/problems
+    #[arg(value_name = "RECIPE|ID")]
     what: String,
     /// Seeds of the samples in place of the recipe's, one a line, for a hidden collection; needs --in
     #[arg(long, value_name = "FILE")]
@@ -95,7 +96,8 @@ struct Check {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let collection = Collection::of(root, args.folder.as_deref())?;
+    let may_be_new = matches!(args.command, Command::Add(_) | Command::Make(_));
+    let collection = Collection::of(root, args.folder.as_deref(), may_be_new)?;
     match &args.command {
         Command::List(list) => list.run(&collection)?,
         Command::Show { id } => show(&collection, id)?,

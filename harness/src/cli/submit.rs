@@ -53,7 +53,7 @@ pub(crate) fn submit(root: &Root, args: &SubmitArgs) -> Result<()> {
     }
     prepare_place(&args.output)?;
     check_apart(&[("the impulses", args.impulses.as_path()), ("--output", args.output.as_path())])?;
-    let collection = Collection::of(root, args.folder.as_deref())?;
+    let collection = Collection::of(root, args.folder.as_deref(), false)?;
     let entry = collection.entry(&args.problem).context("--problem")?;
     let problem = collection.problem(&entry)?;
     let problem = problem.with_context(|| not_here(&entry.id))?;
@@ -94,7 +94,7 @@ pub(crate) struct AcceptArgs {
 }
 
 pub(crate) fn accept(root: &Root, args: &AcceptArgs) -> Result<ExitCode> {
-    let collection = Collection::of(root, args.folder.as_deref())?;
+    let collection = Collection::of(root, args.folder.as_deref(), false)?;
     let (mut accepted, mut refused) = (0, 0);
     for file in files(&args.what)? {
         if exit::requested() {

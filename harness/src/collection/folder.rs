@@ -16,13 +16,15 @@ pub(crate) struct Collection<'r> {
 }
 
 impl<'r> Collection<'r> {
-    /// The collection of the checkout, or the one in a `folder`.
-    pub(crate) fn of(root: &'r Root, folder: Option<&Path>) -> Result<Self> {
-        if let Some(folder) = folder
-            && folder.exists()
-            && !folder.is_dir()
-        {
-            bail!("--in {}: it is a file; a collection is a folder", folder.display());
+    /// The collection of the checkout, or the one in a `folder`, which need not be there where it may be `new`.
+    pub(crate) fn of(root: &'r Root, folder: Option<&Path>, new: bool) -> Result<Self> {
+        if let Some(folder) = folder {
+            let (name, is_there) = (folder.display(), folder.exists());
+            ensure!(!is_there || folder.is_dir(), "--in {name}: it is a file; a collection is a folder");
+            ensure!(
+                is_there || new,
+                "--in {name}: there is no such folder; `gravel collection make` makes one"
+            );
         }
         let here = || root.needed().map(|root| root.join("cases/collection"));
         Ok(Self { root, folder: folder.map_or_else(here, |folder| Ok(folder.to_owned()))? })

@@ -370,8 +370,11 @@ fn what_is_asked_wrongly_is_refused_with_what_to_do() {
     let (study, id) = with_pair();
     study.gravel(&["collection", "show", "beef"]).refused(&["\"beef\" is no id", "16 digits"]);
     study.gravel(&["collection", "show", "0123456789abcdef"]).refused(&["collection list"]);
+    study.gravel(&["solve", "0123456789abcdef"]).refused(&["0123456789abcdef", "collection show"]);
     study.gravel(&["collection", "list", "--only", "size=3"]).refused(&["--only size", "grains"]);
     study.gravel(&["collection", "make", "nothing.toml"]).refused(&["nothing.toml"]);
+    study.gravel(&["collection", "list", "--in", "nowhere"]).refused(&["--in nowhere", "no such folder"]);
+    study.gravel(&["accept", "x.json", "--in", "nowhere"]).refused(&["--in nowhere", "no such folder"]);
     study.gravel(&["collection", "make", &id]).succeeded();
     let r = write(study.folder(), "r.json", "{\"impulse\": [0.15, 0.1, 0.1]}");
     let submit = ["submit", text(&r), "--problem", &id, "--code", "mine", "--version", "1", "-o", "out.json"];
