@@ -1,5 +1,6 @@
 //! Texts, JSON and names of files, whose errors name the key, the index and the value.
 
+pub(crate) mod gzip;
 pub(crate) mod json;
 pub(crate) mod keys;
 pub(crate) mod values;

@@ -17,6 +17,7 @@ pub use case::{Case, of_toml};
 pub use detect::{DetectedContact, Grain, Side, detect};
 pub use error::{CaseError, Explosion, Missed};
 pub use file::check_name;
+pub use file::gzip::compressed;
 pub use file::json::{of_json, read_text};
 pub use file::keys::{all_missing, schema};
 pub use march::parts::InParts;

@@ -5,6 +5,7 @@ mod cli {
     pub(crate) mod args;
     pub(crate) mod bench;
     pub(crate) mod certify;
+    pub(crate) mod collection;
     pub(crate) mod convert;
     pub(crate) mod freeze;
     pub(crate) mod keys;
@@ -18,6 +19,7 @@ mod cli {
     pub(crate) mod simulate;
     pub(crate) mod solve;
     pub(crate) mod split;
+    pub(crate) mod submit;
     #[cfg(test)]
     mod tests;
     pub(crate) mod view;
@@ -41,6 +43,24 @@ mod team {
 
     #[cfg(feature = "mpi")]
     pub(crate) use main::main;
+}
+
+/// The collection: problems by the hash of their content, what is known of their solutions, and submissions.
+mod collection {
+    mod answers;
+    mod check;
+    mod entry;
+    mod folder;
+    mod recipe;
+    mod sought;
+    mod submission;
+
+    pub(crate) use answers::{Standing, Status};
+    pub(crate) use check::{checked, orphans, submitted};
+    pub(crate) use entry::{Entry, Foreign, State};
+    pub(crate) use folder::Collection;
+    pub(crate) use recipe::{About, Recipe};
+    pub(crate) use submission::{Claimed, Division, FORMAT, Submission, distance};
 }
 
 /// A study on disk: its journal, its tables, its report, its accepted counts.
@@ -111,7 +131,7 @@ mod problems {
     pub(crate) use case::{CaseProblem, KeptProblem, Once, first_hash, overrides, read_case, warn};
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};
-    pub(crate) use planned::{PlannedProblem, Problem, planned};
+    pub(crate) use planned::{PlannedProblem, Problem, combined, planned};
     pub(crate) use pool::polished_to;
     pub(crate) use reference::{Found, Known, found};
     pub(crate) use scene::Scene;
@@ -180,8 +200,8 @@ mod root;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
-    bench, certify, convert, freeze, list, merge, plan as show, regress, report, schema, simulate, solve,
-    split, view, which,
+    bench, certify, collection as collected, convert, freeze, list, merge, plan as show, regress, report,
+    schema, simulate, solve, split, submit, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;
@@ -234,6 +254,13 @@ enum Command {
     /// Print the residuals of a contact problem at the reference solution, or at impulses you supply
     #[command(after_help = format!("{}\n\n{}", certify::HELP, exit::HELP))]
     Certify(certify::Args),
+    /// List, show, add, make or check the problems of the collection: each with an id, and what is known of its solutions
+    Collection(collected::Args),
+    /// Write the impulses that a code found for a problem of the collection as a file to hand in
+    Submit(submit::SubmitArgs),
+    /// Judge submissions from their impulses alone, and file those that are what they say
+    #[command(after_help = exit::HELP)]
+    Accept(submit::AcceptArgs),
     /// Write the contact problem of one time step of a case as a file
     Freeze(freeze::Args),
     /// Convert a contact problem to a file that other codes read, or such a file to a problem
@@ -311,6 +338,9 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Solve(args) => return in_the_pool(|| solve::run(&root, &args)),
         Command::Which(args) => return in_the_pool(|| which::run(&root, &args)),
         Command::Certify(args) => return certify::run(&root, &args),
+        Command::Collection(args) => return in_the_pool(|| collected::run(&root, &args)),
+        Command::Submit(args) => in_the_pool(|| submit::submit(&root, &args))?,
+        Command::Accept(args) => return in_the_pool(|| submit::accept(&root, &args)),
         Command::Freeze(args) => in_the_pool(|| freeze::run(&root, &args))?,
         Command::Convert(args) => in_the_pool(|| convert::run(&root, &args))?,
         Command::Split(args) => in_the_pool(|| split::run(&root, &args))?,

@@ -129,6 +129,25 @@ impl Root {
         self.file(name, "problem or case", &[Kind::Case, Kind::Frozen, Kind::Foreign])
     }
 
+    /// Returns the file of a problem of a collection by its id: one that is stored there or was made, a frozen problem, or a file of
+    /// another code.
+    pub(crate) fn collected(&self, collection: &Path, id: &str) -> Option<PathBuf> {
+        if !is_id(id) {
+            return None;
+        }
+        let name = format!("{id}.json.gz");
+        let mut files =
+            vec![collection.join("problems").join(&name), self.join("results/problems").join(name)];
+        let entry = read_text(&collection.join("entries").join(format!("{id}.toml"))).ok()?;
+        let entry: toml::Table = entry.parse().ok()?;
+        let text = |value: Option<&toml::Value>| Some(value?.as_str()?.to_owned());
+        let frozen = text(entry.get("name")).map(|name| format!("cases/frozen/{name}.json"));
+        let foreign = entry.get("foreign").and_then(|foreign| text(foreign.get("file")));
+        let foreign = foreign.map(|file| format!("cases/foreign/{file}"));
+        files.extend(frozen.into_iter().chain(foreign).map(|file| self.join(&file)));
+        files.into_iter().find(|file| file.is_file())
+    }
+
     /// Finds a file of this name that is of none of the `wanted` kinds; a path is no name.
     fn of_another_kind(&self, name: &str, wanted: &[Kind]) -> Result<Option<(Kind, PathBuf)>> {
         for kind in [Kind::Case, Kind::Plan, Kind::Frozen, Kind::Foreign] {
@@ -159,7 +178,16 @@ impl Root {
             };
             bail!("`{name}` is {}, not a {what}{freeze}", other.words().0);
         }
-        let path = named.map_or_else(|| typed(name, what, &known), |path| Ok(path.clone()))?;
+        let collection = self.join("cases/collection");
+        let collected =
+            || wanted.contains(&Kind::Frozen).then(|| self.collected(&collection, name)).flatten();
+        let named = named.cloned().or_else(collected);
+        if named.is_none() && is_id(name) && !Path::new(name).exists() {
+            bail!(
+                "no problem `{name}` here: `gravel collection show {name}` says whether it is known, and what makes it"
+            );
+        }
+        let path = named.map_or_else(|| typed(name, what, &known), Ok)?;
         let found = Kind::of(&path);
         // Whoever reads a file says what is wrong inside it.
         let unclear = found.is_none() && is_toml(&path) && wanted != [Kind::Frozen];
@@ -213,7 +241,7 @@ impl Kind {
             return Some(Self::Foreign);
         }
         if !is_toml(path) {
-            return path.extension().is_some_and(|ending| ending == "json").then_some(Self::Frozen);
+            return is_json(path).then_some(Self::Frozen);
         }
         let table: toml::Table = read_text(path).ok()?.parse().ok()?;
         let has = |key| table.contains_key(key);
@@ -225,9 +253,25 @@ impl Kind {
     }
 }
 
-/// Name of a file without its ending.
+/// Reports whether a text has the form of an id of the collection.
+pub(crate) fn is_id(text: &str) -> bool {
+    text.len() == 16 && text.bytes().all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte))
+}
+
+/// Name of a file without its ending, and without that of its compression.
 pub(crate) fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    uncompressed(path).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+/// Name of a file without the ending of its compression.
+fn uncompressed(path: &Path) -> PathBuf {
+    let is_compressed = path.extension().is_some_and(|ending| ending == "gz");
+    if is_compressed { path.with_extension("") } else { path.to_owned() }
+}
+
+/// Reports whether a file has the extension of JSON, compressed or not.
+pub(crate) fn is_json(path: &Path) -> bool {
+    uncompressed(path).extension().is_some_and(|ending| ending == "json")
 }
 
 /// Reports whether a file has the extension of a case or a plan.

@@ -1,18 +1,20 @@
 //! JSON and the texts that files hold, read so that errors name the key, the index and the value.
 
 use crate::error::CaseError;
+use crate::file::gzip::opened;
 use crate::file::keys::{LACKS, all_missing_of, schema};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::Path;
 
-/// Reads the text of a file, in UTF-8, without the mark that some editors write before it.
+/// Reads the text of a file, in UTF-8, compressed by gzip or not, without the mark that some editors write before it.
 ///
 /// # Errors
 /// Names the file, and the byte that belongs to no text.
 pub fn read_text(path: &Path) -> Result<String, CaseError> {
     let bytes = std::fs::read(path).map_err(|source| CaseError::File { path: path.to_owned(), source })?;
+    let bytes = opened(bytes).map_err(|message| CaseError::content(path, message))?;
     if bytes.starts_with(HDF5) {
         let is = "it is an HDF5 file, and its name must end in .hdf5 or .h5, as those of FCLIB do";
         return Err(CaseError::content(path, is));

@@ -1,6 +1,7 @@
 //! `gravel freeze`: the contact problem of one time step of a case, as a file.
 
 use crate::cli::args::{CaseArgs, SolverArgs};
+use crate::problems::CaseProblem;
 use crate::root::{Root, stem};
 use crate::terminal::{check_apart, prepare_place, replaces, say, write_whole};
 use anyhow::{Result, anyhow, bail};
@@ -42,10 +43,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     check_name(&name).map_err(|why| anyhow!("{file}: the problem's {why}"))?;
     let case = args.changes.at(&root.case(&args.case)?, Some(&args.time_step))?;
     let (method, stop) = args.solver.or(case.before()?)?;
-    let (solver, on, tolerance) = (method.name, stop.on, stop.tolerance);
-    let how = format!(
-        " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
-    );
+    let how = CaseProblem::solved_by(&method, &stop);
     let mut frozen = case.marched(&method, &stop, &how, &|| false)?;
     frozen.rename(&name);
     write_whole(&args.output, &frozen.to_json()?)?;

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The method that solves the time steps before the problem of a case, each from the impulses of the one before.
-#[derive(Clone, Debug, JsonSchema, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Marcher {
     /// Its name.

@@ -4,7 +4,7 @@ use crate::identity::code_version;
 use crate::plan::{Marcher, Method, Settings, as_typed};
 use crate::root::Root;
 use crate::terminal::{at_hand, progress, read_sealed, read_text, say, suggest, write_sealed};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use cases::{AnyFrozen, Case, Sample, Start};
 use contact::memory::gigabytes;
 use indicatif::ProgressBar;
@@ -62,6 +62,11 @@ impl CaseProblem {
         Ok(Self { case, overrides, time_step, marcher: None })
     }
 
+    /// Names the method of the time steps before it.
+    pub(crate) fn after(self, marcher: Option<Marcher>) -> Self {
+        Self { marcher, ..self }
+    }
+
     /// Returns the method of the time steps before it in a word, if one is named.
     pub(crate) fn march_in_words(&self) -> Option<String> {
         self.marcher.as_ref().map(Marcher::in_words)
@@ -93,26 +98,49 @@ impl CaseProblem {
         how: &str,
         halt: &dyn Fn() -> bool,
     ) -> Result<AnyFrozen> {
-        let (mut march, before, mut missed) = (march(&self.case)?, self.time_step - 1, 0);
+        self.marched_through(&[self.time_step], (method, stop, how), halt)?.pop().context("a single problem")
+    }
+
+    /// Returns the problems of these `time_steps`, which ascend, of one march, as [`Self::marched`] returns one.
+    pub(crate) fn marched_through(
+        &self,
+        time_steps: &[u64],
+        (method, stop, how): (&Method, &Stop, &str),
+        halt: &dyn Fn() -> bool,
+    ) -> Result<Vec<AnyFrozen>> {
+        let (mut march, mut missed) = (march(&self.case)?, 0);
         warn(&self.case.name, march.warnings());
         let mut once = Once::default();
-        let bar = progress::bar(before, "time steps");
-        for _ in 0..before {
-            let (outcome, _) = march.solve(method.ours()?, stop, Start::Previous, halt)?.solved?;
-            once.warn(&self.case.name, &*march, &bar);
-            missed += u64::from(outcome.status != Status::Converged);
-            bar.set_message(format!("{} iterations", outcome.iterations));
-            bar.inc(1);
+        let bar = progress::bar(time_steps.last().map_or(0, |last| last - 1), "time steps");
+        let mut problems = Vec::new();
+        for time_step in time_steps {
+            let before = time_step - 1;
+            while march.time_steps() < before {
+                let (outcome, _) = march.solve(method.ours()?, stop, Start::Previous, halt)?.solved?;
+                once.warn(&self.case.name, &*march, &bar);
+                missed += u64::from(outcome.status != Status::Converged);
+                bar.set_message(format!("{} iterations", outcome.iterations));
+                bar.inc(1);
+            }
+            let mut note = String::new();
+            if missed > 0 {
+                note = format!("{missed} of the {before} time steps before did not converge.");
+                bar.suspend(|| eprintln!("{note}"));
+                note.insert(0, ' ');
+            }
+            let how = replaced(&self.overrides) + how + &note;
+            problems.push(march.frozen(&how, (before > 0).then_some(missed))?);
         }
         bar.finish_and_clear();
-        let mut note = String::new();
-        if missed > 0 {
-            note = format!("{missed} of the {before} time steps before did not converge.");
-            eprintln!("{note}");
-            note.insert(0, ' ');
-        }
-        let how = replaced(&self.overrides) + how + &note;
-        Ok(march.frozen(&how, (before > 0).then_some(missed))?)
+        Ok(problems)
+    }
+
+    /// Returns how the time steps before it are solved, as text for the source of its problem.
+    pub(crate) fn solved_by(method: &Method, stop: &Stop) -> String {
+        let (solver, on, tolerance) = (method.name, stop.on, stop.tolerance);
+        format!(
+            " Time steps before it solved by {solver} to {on} ≤ {tolerance:e}, from the impulses of the one before."
+        )
     }
 }
 
@@ -156,7 +184,7 @@ impl KeptProblem {
     ) -> Result<Self> {
         let of =
             CaseProblem::read(path, overrides(settings), "`time_step`", moment.map(as_typed).as_deref())?;
-        let of = CaseProblem { marcher: marcher.cloned(), ..of };
+        let of = of.after(marcher.cloned());
         // The first problem of the case shows whether its sample is possible, and what another file holds of it; a deposit
         // may take long, and its settings say all of it.
         let first = match of.case.sample {

@@ -72,6 +72,16 @@ impl Problem {
         Self::new(name, Posed::Grains(lineup::problem(frozen)), Settings::new(), reference)
     }
 
+    /// Reads the problem of another code in a file; its hash is that of W alone, whatever code solves it.
+    pub(crate) fn foreign(file: &Path) -> Result<Self> {
+        let Held::Local(problem) = read(file)? else {
+            bail!("{}: it holds a problem file of ours: `gravel convert` gets it", file.display());
+        };
+        let hash = hash_of_w(&problem, "");
+        let posed = Posed::W(Box::new(problem));
+        Ok(Self { hash, ..Self::new(stem(file), posed, Settings::new(), false) })
+    }
+
     /// Returns the known solutions; computed at the first call, unless they were kept.
     pub(crate) fn known(&self, root: &Root) -> Result<&Known> {
         if let Some(known) = self.known.get() {
@@ -166,18 +176,15 @@ fn frozen_path(root: &Root, name: &str) -> Result<PathBuf> {
 fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<PlannedProblem>> {
     let path = root.case(&planned.case)?;
     let naming = naming(planned)?;
-    let short = last_parts(&naming);
-    let named = |case: &str, settings: &Settings, except: &str| {
-        let named = short.iter().copied().zip(&naming).filter(|(_, key)| **key != except);
-        format!("{case} {}", pairs(named.map(|(short, key)| (short, &settings[*key])))).trim_end().to_owned()
-    };
     let mut problems = Vec::new();
     for mut settings in combinations(&planned.scene, &planned.zip, &planned.axes)? {
         let mut all = Settings::new();
         let (name, source) = if let Some(simulate) = &plan.simulate {
             let case = read_case(&path, &overrides(&settings))?;
-            let (name, alone) =
-                (named(&case.name, &settings, ""), named(&case.name, &settings, scene::TIME_STEP));
+            let (name, alone) = (
+                named(&case.name, &naming, &settings, ""),
+                named(&case.name, &naming, &settings, scene::TIME_STEP),
+            );
             let duration = planned.duration_s.or(simulate.duration_s);
             let duration = duration.context("neither the case nor `simulate` has a `duration_s`")?;
             let scene = Scene::new(case, alone, settings.clone(), duration, simulate.sample_every_s)?;
@@ -196,12 +203,26 @@ fn of_case(root: &Root, plan: &Plan, planned: &PlannedCase) -> Result<Vec<Planne
             if let Some(march) = march {
                 all.insert(MARCH.to_owned(), json!(march));
             }
-            (named(name, &varied, ""), Source::Case(Box::new(kept)))
+            (named(name, &naming, &varied, ""), Source::Case(Box::new(kept)))
         };
         all.extend(settings);
         problems.push(PlannedProblem { name, settings: all, source, reference: plan.reference });
     }
     Ok(problems)
+}
+
+/// Returns the name of a problem of a case: the values of the keys that set it apart, `except` for one.
+fn named(case: &str, naming: &[&str], settings: &Settings, except: &str) -> String {
+    let short = last_parts(naming);
+    let named = short.into_iter().zip(naming).filter(|(_, key)| **key != except);
+    format!("{case} {}", pairs(named.map(|(short, key)| (short, &settings[*key])))).trim_end().to_owned()
+}
+
+/// Returns every combination of a case's axes, by the name of its problem.
+pub(crate) fn combined(planned: &PlannedCase) -> Result<Vec<(String, Settings)>> {
+    let naming = naming(planned)?;
+    let all = combinations(&planned.scene, &planned.zip, &planned.axes)?;
+    Ok(all.into_iter().map(|settings| (named(&planned.case, &naming, &settings, ""), settings)).collect())
 }
 
 /// The keys that set the problems of a case apart: of values that are taken together, the first that does.

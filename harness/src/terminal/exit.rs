@@ -25,7 +25,8 @@ pub(crate) const HELP: &str = "\
 Exit codes:
     0  solve: converged; which: a method converges; certify: certified; simulate: every time step
        converged; else: done
-    1  an error: a file, a key or a value is wrong; regress: a count has changed
+    1  an error: a file, a key or a value is wrong; regress: a count has changed; accept: a submission was
+       refused; collection check: a fault was found
     2  wrong arguments
     3  solve: not converged (iteration-limit, stalled, diverged, false-convergence); which: no method
        converges; certify: not certified; simulate: exploded, solver-diverged, or a time step did

@@ -2,9 +2,11 @@
 
 use crate::terminal::exit;
 use anyhow::{Context, Result, bail};
+use cases::compressed;
 use results::whole::{self, behind_links, remove_abandoned};
 use seal::{opened, sealed};
 use serde_json::Value;
+use std::borrow::Cow;
 use std::fmt::Arguments;
 use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
@@ -120,18 +122,21 @@ pub(crate) fn write_instead(path: &Path, content: impl AsRef<[u8]>) -> Result<()
     write_whole(path, content)
 }
 
-/// Writes `content` to a file beside `path` and gives it that name once it is complete. A link stays and its target is
+/// Writes `content` to a file beside `path` and gives it that name once it is complete; compressed, if the name ends in `.gz`. A link stays and its target is
 /// written; what is no regular file, such as a pipe or a terminal, is written to as it is.
 pub(crate) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
-    let (content, _whole) = (content.as_ref(), exit::whole());
+    let (mut content, _whole) = (Cow::from(content.as_ref()), exit::whole());
+    if path.extension().is_some_and(|ending| ending == "gz") {
+        content = compressed(&content)?.into();
+    }
     let write = || -> io::Result<()> {
         if is_stdout(path) {
-            return io::stdout().write_all(content);
+            return io::stdout().write_all(&content);
         }
         if path.metadata().is_ok_and(|found| !found.is_file()) {
-            return OpenOptions::new().write(true).open(path)?.write_all(content);
+            return OpenOptions::new().write(true).open(path)?.write_all(&content);
         }
-        whole::write(path, |file| file.write_all(content))
+        whole::write(path, |file| file.write_all(&content))
     };
     write().with_context(|| format!("writing {}", path.display()))
 }

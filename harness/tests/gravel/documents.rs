@@ -10,10 +10,11 @@ use tempfile::TempDir;
 /// Writes the generated blocks anew: `UPDATE_DOCUMENTS=1 cargo test --package harness documents`.
 const UPDATE: &str = "UPDATE_DOCUMENTS";
 
-const PAGES: [&str; 7] = [
+const PAGES: [&str; 8] = [
     "README.md",
     "cases/README.md",
     "cases/case-file.md",
+    "cases/collection/README.md",
     "cases/problem-file.md",
     "harness/README.md",
     "reports/README.md",
@@ -85,6 +86,21 @@ fn ten_lines_of_python_write_a_problem_that_is_solved_anywhere() {
         assert!((r["impulse"][k].as_f64().unwrap() / expected - 1.0).abs() < 1e-5, "{r}");
     }
     assert!(!folder.path().join("results").exists(), "nothing is kept outside a checkout");
+}
+
+#[test]
+fn commands_of_the_appendix_print_what_it_expects() {
+    let page = page("reports/artefacts.md");
+    let (table, _) = page.split_once("These keep").unwrap();
+    let rows: Vec<&str> = table.lines().filter(|line| line.contains("| `gravel ")).collect();
+    assert!(rows.len() >= 8, "{} rows", rows.len());
+    for row in rows {
+        let cells: Vec<&str> = row.split('|').map(|cell| cell.trim().trim_matches('`')).collect();
+        let args: Vec<&str> = cells[2].split_whitespace().skip(1).collect();
+        let output = command(&args).output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains(cells[3]), "{}: no {} in {said}", cells[2], cells[3]);
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod bench;
+mod collection;
 mod common;
 mod degenerate;
 mod documents;

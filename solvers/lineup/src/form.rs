@@ -88,8 +88,11 @@ pub trait Frictional {
     /// Solves it from some starts, each of which is `seen`: [`solve_rough`].
     fn solutions(&self, starts: RangeInclusive<u64>, seen: &mut dyn FnMut()) -> Vec<RoughSolution>;
 
-    /// Reports whether it is proved that it has no solution.
-    fn has_no_solution(&self) -> bool;
+    /// Returns normal impulses (N·s) that prove that it has no solution, if some do.
+    fn ray(&self) -> Option<Vec<f64>>;
+
+    /// Reports whether normal impulses (N·s) prove that it has no solution.
+    fn proves_infeasible(&self, ray: &[f64]) -> bool;
 
     /// Returns the reason why it is known to have a solution: [`reference::existence`].
     fn existence(&self) -> Option<Existence>;
@@ -106,8 +109,12 @@ where
         solve_rough(self, starts, seen)
     }
 
-    fn has_no_solution(&self) -> bool {
-        M::has_no_solution(self)
+    fn ray(&self) -> Option<Vec<f64>> {
+        M::ray(self)
+    }
+
+    fn proves_infeasible(&self, ray: &[f64]) -> bool {
+        M::proves_infeasible(self, ray)
     }
 
     fn existence(&self) -> Option<Existence> {

@@ -4,6 +4,7 @@
 use crate::certificate::{Certificate, Certified, certify};
 use crate::{Answer, Existence, existence, solve};
 use active_set::{ActiveSet, Start};
+use analysis::proves_infeasible;
 use contact::{
     ContactProblem, Frictional, Mechanics, Packing, Rough, RoughMass, Smooth, Solver, Truth, Vector,
     greatest, law,
@@ -15,9 +16,17 @@ use std::ops::RangeInclusive;
 
 /// A mechanics with Coulomb's law.
 pub trait Coulomb: Certified<Mass = RoughMass> {
-    /// Decides whether the normal parts alone prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
-    /// friction does not help. `false` says nothing.
-    fn has_no_solution(problem: &Packing<Self>) -> bool;
+    /// Returns normal impulses (N·s) that prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
+    /// friction does not help. `None` says nothing.
+    fn ray(problem: &Packing<Self>) -> Option<Vec<f64>>;
+
+    /// Reports whether normal impulses (N·s) prove that `problem` has no solution.
+    fn proves_infeasible(problem: &Packing<Self>, ray: &[f64]) -> bool;
+
+    /// Decides whether the normal parts alone prove that `problem` has no solution. `false` says nothing.
+    fn has_no_solution(problem: &Packing<Self>) -> bool {
+        Self::ray(problem).is_some()
+    }
 
     /// Returns the reason why `problem` is known to have a solution: [`existence`].
     fn existence(problem: &Packing<Self>) -> Option<Existence>;
@@ -27,8 +36,12 @@ impl<const D: usize, const N: usize> Coulomb for Rough<D>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
-    fn has_no_solution(problem: &Packing<Self>) -> bool {
-        problem.without_friction().is_ok_and(|normal| has_none(&normal, problem.position()))
+    fn ray(problem: &Packing<Self>) -> Option<Vec<f64>> {
+        ray(&problem.without_friction().ok()?, problem.position())
+    }
+
+    fn proves_infeasible(problem: &Packing<Self>, ray: &[f64]) -> bool {
+        problem.without_friction().is_ok_and(|normal| proves_infeasible(&normal, ray))
     }
 
     fn existence(problem: &Packing<Self>) -> Option<Existence> {
@@ -36,12 +49,20 @@ where
     }
 }
 
-/// Decides whether it is proved that a problem without friction has no solution, where it is not one that nothing moves.
-fn has_none<const D: usize>(problem: &ContactProblem<Smooth<D>>, position: &[SVector<f64, D>]) -> bool {
-    let rests = problem.contacts().iter().all(|contact| contact.offset >= 0.0);
+/// Returns impulses (N·s) that prove that a problem without friction has no solution, where it is not one that nothing moves.
+fn ray<const D: usize>(
+    problem: &ContactProblem<Smooth<D>>,
+    position: &[SVector<f64, D>],
+) -> Option<Vec<f64>> {
+    if problem.contacts().iter().all(|contact| contact.offset >= 0.0) {
+        return None;
+    }
     let (mass, free) = (problem.mass().to_vec(), problem.free_velocity().to_vec());
-    let packing = || Packing::new(mass, position.to_vec(), free, problem.contacts().to_vec());
-    !rests && packing().is_ok_and(|problem| matches!(solve(&problem), Answer::Infeasible { .. }))
+    let packing = Packing::new(mass, position.to_vec(), free, problem.contacts().to_vec()).ok()?;
+    match solve(&packing) {
+        Answer::Infeasible { ray } => Some(ray),
+        Answer::Solution { .. } | Answer::Unknown { .. } => None,
+    }
 }
 
 /// A certified solution of a problem with friction, one of some.
