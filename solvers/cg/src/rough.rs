@@ -2,7 +2,8 @@
 //! projected by these statuses.
 //!
 //! Nothing is minimised: Coulomb's law is not the optimality of any q(r). The step is that of the quadratic form all the same, and
-//! what makes it work is that a contact leaves the boundary of its cone by a direction only, never because the cone grew around it.
+//! what makes it work is that a contact leaves the boundary of its cone by a direction only, never because the cone grew around it;
+//! and, in space, that what slides takes of the gradient around its cone only what the projection would.
 
 use crate::{Cg, Products, State};
 use analysis::Bounded;

@@ -137,11 +137,12 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// The part of u that a contact loses where it slides around the circle of its cone, of radius ρ = μ `r_n`; 0 in the plane.
+    /// The part of u around the circle of the cone that a contact which slides does not take; 0 in the plane.
     ///
-    /// The projection of r + u/`w_t` turns by ρ/(ρ + λ/`w_t`) of the part of u along the circle, with λ the part of u that points
-    /// out of it: so much is left, as in the reduced gradients of Z. Dostál and others (see [`crate`]). With all of it a contact
-    /// that slides fast under a small `r_n` turns through any angle at each step.
+    /// The circle has the radius ρ = μ `r_n`. With λ the part of u that points out of it, the projection of r + u/`w_t` turns by
+    /// ρ/(ρ + λ/`w_t`) of the part along it, and that is what w has: the reduced gradient of Bouchala, Dostál and Vodstrčil (J.
+    /// Optim. Theory Appl. 157 (2013) 132-140). With all of it, a contact that slides fast under a small `r_n` turns through any
+    /// angle at each step.
     #[inline]
     fn around(&self, out: &SVector<f64, D>) -> SVector<f64, D> {
         let speed = out.dot(&self.u);
