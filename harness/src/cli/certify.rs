@@ -2,12 +2,14 @@
 
 use crate::problems::{Found, Given, found};
 use crate::root::Root;
-use crate::terminal::{exit, say};
+use crate::terminal::{exit, progress, say};
 use anyhow::Result;
 use cases::AnyFrozen;
 use contact::{Packing, RoughDiscs};
 use lineup::{Law, OneProblem};
-use reference::{Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, isolation};
+use reference::{
+    Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, SEARCHES, isolation,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -28,6 +30,10 @@ pub(crate) struct Args {
     /// With friction: seek solutions from r = 0 and from N more starts; those found are kept
     #[arg(long, value_name = "N", default_value = "3")]
     starts: u64,
+    /// With friction, at rest: where none of the starts leads to a solution, seek one by continuation, from the problem in which
+    /// gaps close as fast as grains fall to the problem itself; may take minutes
+    #[arg(long)]
+    continuation: bool,
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
@@ -43,7 +49,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         say(format_args!("given impulses: {}", verdict(certificate)))?;
         print(certificate)?;
     }
-    let Some(Found { solutions, why }) = found else {
+    let Some(Found { mut solutions, why }) = found else {
         say(format_args!(
             "the problem has no solution: normal impulses balance, in exact arithmetic, while contacts approach"
         ))?;
@@ -54,6 +60,10 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         Law::Frictionless(_) => say_one(problem, &solutions, &why, r)?,
         Law::Frictional { problem: law, discs } => {
             say(format_args!("{}", existence_in_words(law.existence())))?;
+            if args.continuation && !solutions.iter().any(|solution| solution.certificate.certified()) {
+                let bar = progress::bar(SEARCHES, "searches");
+                solutions = law.continued(&mut || bar.inc(1)).map_or(solutions, |found| vec![found]);
+            }
             say_several(problem, discs, &solutions, r)?;
         }
     }

@@ -4,11 +4,11 @@ use super::answers::Answers;
 use crate::plan::Method;
 use crate::problems::{Known, Problem};
 use crate::run::outcome;
-use crate::terminal::Line;
+use crate::terminal::{Line, progress};
 use anyhow::{Result, bail};
 use contact::Measure;
 use lineup::{Frictional, Law, OneProblem, Posed};
-use reference::{Answer, RoughSolution, take};
+use reference::{Answer, RoughSolution, SEARCHES, take};
 use runner::{Progress, Stop};
 use std::ops::ControlFlow;
 
@@ -48,7 +48,8 @@ pub(crate) fn sought(problem: &Problem) -> Result<(Answers, String)> {
     }
 }
 
-/// Seeks solutions from r = 0, from the impulses of the time step before, and from random ones where contacts are few.
+/// Seeks solutions from r = 0, from the impulses of the time step before, and from random ones where contacts are few; where none is
+/// found, by a continuation.
 fn with_friction(
     problem: &Problem,
     grains: &dyn OneProblem,
@@ -70,6 +71,12 @@ fn with_friction(
     if grains.facts().contacts <= FEW {
         for found in law.solutions(1..=STARTS, &mut || ()) {
             take(&mut pool, found, |a, b| grains.distance(a, b));
+        }
+    }
+    if !pool.iter().any(|solution| solution.certificate.certified()) {
+        let bar = progress::bar(SEARCHES, "searches");
+        if let Some(found) = law.continued(&mut || bar.inc(1)) {
+            return Ok((Answers::Solutions(vec![found.impulses]), "continuation in the offsets".to_owned()));
         }
     }
     // The natural map orders what is not certified; of equal ends the first.

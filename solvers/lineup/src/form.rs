@@ -4,7 +4,7 @@ use active_set::ActiveSet;
 use analysis::{Bounded, Spectrum, proves_infeasible};
 use cases::Marched;
 use contact::{Packing, Rough, RoughDiscs, Smooth, Solver};
-use reference::{Answer, Certified, Coulomb, Existence, RoughSolution, polished, solve_rough};
+use reference::{Answer, Certified, Coulomb, Existence, RoughSolution, continued, polished, solve_rough};
 use std::any::Any;
 use std::ops::RangeInclusive;
 
@@ -99,6 +99,9 @@ pub trait Frictional {
 
     /// Returns the certified solution to which the end of a run (N·s) is polished, if there is one: [`polished`].
     fn polished(&self, r: &[f64]) -> Option<RoughSolution>;
+
+    /// Returns the certified solution to which a continuation in the offsets leads, if there is one: [`continued`].
+    fn continued(&self, seen: &mut dyn FnMut()) -> Option<RoughSolution>;
 }
 
 impl<M: Coulomb> Frictional for Packing<M>
@@ -123,5 +126,9 @@ where
 
     fn polished(&self, r: &[f64]) -> Option<RoughSolution> {
         polished(self, r)
+    }
+
+    fn continued(&self, seen: &mut dyn FnMut()) -> Option<RoughSolution> {
+        continued(self, seen)
     }
 }

@@ -6,6 +6,7 @@
 
 mod certificate;
 mod constraint;
+mod continued;
 mod dual;
 mod existence;
 mod interior;
@@ -14,6 +15,7 @@ mod method;
 mod rough;
 
 pub use certificate::{Certificate, Certified, ENERGY_ROUND_OFF, ROUND_OFF, Residual, certify};
+pub use continued::{SEARCHES, continued};
 pub use existence::{Existence, existence};
 pub use isolated::{Isolation, isolation};
 pub use method::InteriorPoint;

@@ -6,8 +6,8 @@ use crate::{Answer, Existence, existence, solve};
 use active_set::{ActiveSet, Start};
 use analysis::proves_infeasible;
 use contact::{
-    ContactProblem, Frictional, Mechanics, Packing, Rough, RoughMass, Smooth, Solver, Truth, Vector,
-    greatest, law,
+    ContactProblem, Frictional, Mechanics, Packing, Rough, RoughContact, RoughMass, Smooth, Solver, Truth,
+    Vector, greatest, law,
 };
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
@@ -30,6 +30,9 @@ pub trait Coulomb: Certified<Mass = RoughMass> {
 
     /// Returns the reason why `problem` is known to have a solution: [`existence`].
     fn existence(problem: &Packing<Self>) -> Option<Existence>;
+
+    /// Returns `problem` with all offsets so many `times` as large, if these are numbers.
+    fn with_offsets(problem: &Packing<Self>, times: f64) -> Option<Packing<Self>>;
 }
 
 impl<const D: usize, const N: usize> Coulomb for Rough<D>
@@ -46,6 +49,13 @@ where
 
     fn existence(problem: &Packing<Self>) -> Option<Existence> {
         existence(problem)
+    }
+
+    fn with_offsets(problem: &Packing<Self>, times: f64) -> Option<Packing<Self>> {
+        let contact = |at: &RoughContact<D>| RoughContact { offset: at.offset * times, ..*at };
+        let contacts = problem.contacts().iter().map(contact).collect();
+        let (mass, position) = (problem.mass().to_vec(), problem.position().to_vec());
+        Packing::new(mass, position, problem.free_velocity().to_vec(), contacts).ok()
     }
 }
 
