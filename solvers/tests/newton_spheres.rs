@@ -6,13 +6,17 @@ use crate::rough_spheres::{embedded, roughened};
 use crate::spheres::sphere_problem_of;
 use active_set::{ActiveSet, Start};
 use analysis::Meter;
-use contact::{Iteration, Packing, RoughContact, RoughMass, RoughSpheres, Solver, Spheres, Truth, frame};
+use cases::Frozen;
+use contact::{
+    Iteration, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Spheres, Truth, frame,
+};
 use nalgebra::{Vector2, Vector3, Vector6};
 use nsgs::Nsgs;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use reference::{RoughSolution, certify, distance, polished, solve_rough};
+use reference::{RoughSolution, certify, continued, distance, polished, solve_rough};
 use runner::{Stop, solve};
+use std::path::Path;
 
 /// Contacts between spheres of radius 0.5 m and mass 1 kg, or with walls, each given by its grains and normal.
 fn spheres(
@@ -168,6 +172,23 @@ fn falling_packing_is_certified_and_its_solution_stays() {
         assert!(is_ended && factorisations <= 2, "{factorisations}");
         assert!(certify(&problem, &r).certified());
     }
+}
+
+/// From r = 0 no iterate of this packing at rest leaves less than 1e-9, with gaps that are about to close by 1e-10 m. A continuation
+/// from gaps that close as fast as grains fall leads to a solution.
+#[test]
+fn continuation_in_the_offsets_certifies_a_packing_at_rest() {
+    let path = "../../cases/collection/problems/44a8d6e018183ffa.json.gz";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let problem = Frozen::<RoughSpheres>::read(&path).unwrap().problem;
+    let (r, _, _) = ended(&ActiveSet::default(), &problem, &vec![0.0; problem.impulse_count()], 20_000);
+    assert!(!certify(&problem, &r).certified());
+    let found = continued(&problem, || {}).unwrap();
+    assert!(found.certificate.certified(), "{}", found.certificate);
+    assert!(certify(&problem, &found.impulses).certified());
+    // What moves has no such way: `None` at once.
+    let driven: Packing<RoughDiscs> = packing("rough-991-onset");
+    assert!(continued(&driven, || panic!("no search")).is_none());
 }
 
 /// More sticks than motion allows in this packing at rest: impulses drift, and no method that we know ends. What is returned leaves a

@@ -1,15 +1,14 @@
 //! Packings at rest with friction, by continuation in the offsets.
 //!
-//! At rest next to nothing moves: what does is due to gaps that are about to close, 1e-7 of the speeds that impulses hold back in the
-//! packings of this repository. The impulses of a solution depend on the directions of this motion all the same, and to these no
-//! method sees a way: W is singular, and whole families of impulses leave as little. With all offsets c times a factor so large that
-//! gaps close as fast as grains fall, the packing moves, and its solution is found. So the factor falls from there to 1, and each
-//! solution begins the search for the next. That is to let grains without inertia, under their own weight, move more and more slowly.
-//! Offsets are not negative at rest, so a solution exists for every factor.
+//! At rest next to nothing moves. What moves is due to gaps that are about to close, at 1e-7 of the speed that impulses hold back, in
+//! the packings of this repository. The impulses of a solution depend on the directions of this motion all the same, and no residual
+//! shows the way to them: W is singular, and whole families of impulses leave as little. With all offsets c times so large a factor
+//! that gaps close as fast as grains fall, the packing moves, and its solution is found. So the factor falls from there to 1, and each
+//! solution begins the search for the next. In other units, the weight of the grains stays and their inertia falls. At rest no offset is
+//! negative, so a solution exists for every factor.
 //!
-//! Solutions need not be continuous: where none is found nearby, other factors are tried, farther away as well.
+//! Solutions may jump as the factor falls: where none is found nearby, other factors are tried, farther away as well.
 
-use crate::Existence;
 use crate::certificate::certify;
 use crate::rough::{Coulomb, RoughSolution, polished};
 use active_set::ActiveSet;
