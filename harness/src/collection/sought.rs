@@ -22,6 +22,9 @@ const MANY: usize = 5_000;
 const FEW: usize = 200;
 const STARTS: u64 = 3;
 
+/// Contacts up to which a continuation is tried, which may be 300 searches of 10,000 iterations.
+const CONTINUED: usize = 1_000;
+
 /// Returns the answers to a problem, and the way in which they were found.
 pub(crate) fn sought(problem: &Problem) -> Result<(Answers, String)> {
     let grains = match &problem.posed {
@@ -73,7 +76,8 @@ fn with_friction(
             take(&mut pool, found, |a, b| grains.distance(a, b));
         }
     }
-    if !pool.iter().any(|solution| solution.certificate.certified()) {
+    let is_small = grains.facts().contacts <= CONTINUED;
+    if is_small && !pool.iter().any(|solution| solution.certificate.certified()) {
         let bar = progress::bar(SEARCHES, "searches");
         if let Some(found) = law.continued(&mut || bar.inc(1)) {
             return Ok((Answers::Solutions(vec![found.impulses]), "continuation in the offsets".to_owned()));

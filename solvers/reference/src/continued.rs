@@ -9,6 +9,7 @@
 //!
 //! Solutions may jump as the factor falls: where none is found nearby, other factors are tried, farther away as well.
 
+use crate::Existence;
 use crate::certificate::certify;
 use crate::rough::{Coulomb, RoughSolution, polished};
 use active_set::ActiveSet;
