@@ -197,7 +197,7 @@ fn continuation_in_the_offsets_certifies_a_packing_at_rest() {
 fn packing_at_rest_comes_nearer_than_sweeps() {
     let problem: Packing<RoughSpheres> = packing("rough-spheres-250-unconverged");
     let none = vec![0.0; problem.impulse_count()];
-    let (r, is_ended, _) = ended(&ActiveSet::default(), &problem, &none, 100_000);
+    let (r, is_ended, _) = ended(&ActiveSet::default(), &problem, &none, 9000);
     assert!(is_ended, "a floor is an end");
     let left = |r: &[f64]| Meter::new(&problem).measure_after(&[], r, 0.0).natural_map;
     let stop = Stop { tolerance: 0.0, max_iterations: 5000, ..Stop::default() };

@@ -6,10 +6,6 @@
 //! where nothing slides, and sweeps resume from its impulses: it chooses load paths where sweeps drift for ever. Where they stall
 //! again, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where factors do not
 //! fit in memory, sweeps are the only stage.
-//!
-//! Between spheres a factor costs as much as a thousand sweeps or more, and sweeps that seem to have stalled may still arrive. There
-//! proximal points and sweeps take turns by counted multiply-adds, each for as long as all that factorises has cost less than the
-//! sweeps, or more: the whole costs about twice what the better of the two would alone.
 
 mod exact;
 mod layout;
@@ -36,10 +32,6 @@ const RUNG: f64 = 0.1;
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
-
-/// Sweeps, in turns with proximal points, in which the least residual must be halved, or that is the floor. Of 18 packings of 250 and
-/// 1,000 spheres none that came to 1e-10 took as many in all.
-const FLOOR: u64 = 20_000;
 
 /// Largest [lift](Newton::lift_of) at which the relaxation is near the law, over the problem's scale (–): in frozen packings at rest
 /// of 250 and 1,000 discs and spheres it is at most 0.24, in driven ones at least 0.36.
@@ -83,9 +75,6 @@ trait Points<const D: usize, const N: usize>: Sized
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
-    /// True where sweeps may arrive before the points do, for less: the two then take turns.
-    const TAKE_TURNS: bool;
-
     /// Begins at the best impulses; none, where the problem is too large.
     fn new(newton: &Newton<D, N>, best: &Best) -> Option<Self>;
 
@@ -126,9 +115,7 @@ where
     /// Proximal points, once sweeps have stalled again.
     points: Option<P>,
     phase: Phase,
-    /// Least residual when it was last halved while the two take turns (√J), and after how many sweeps.
-    floor: (f64, u64),
-    /// Next residual threshold (√J); 0 at the last try, from a point that is nearly a solution.
+    /// Next residual threshold (√J).
     rung: f64,
     /// √(Σ max(0, −b)²/`W_αα`) (√J).
     scale: f64,
@@ -156,44 +143,9 @@ where
         if left <= self.rung {
             self.best = Best { left, impulses: r };
             self.try_newton();
-        } else if self.swept >= self.halved.1 + PATIENCE && self.may_factorise() || !left.is_finite() {
-            if self.points.is_none() {
-                self.begin_relaxation();
-            } else {
-                self.phase = if self.is_at_floor() { Phase::Ended } else { Phase::Proximal };
-            }
+        } else if self.swept >= self.halved.1 + PATIENCE || !left.is_finite() {
+            self.begin_relaxation();
         }
-    }
-
-    /// Reports whether neither sweeps nor proximal points lead any farther.
-    fn is_at_floor(&mut self) -> bool {
-        if self.best.left <= 0.5 * self.floor.0 {
-            self.floor = (self.best.left, self.swept);
-        }
-        self.swept >= self.floor.1 + FLOOR
-    }
-
-    /// Reports whether all that factorises has cost less than the sweeps, or need not.
-    fn may_factorise(&self) -> bool {
-        if !P::TAKE_TURNS {
-            return true;
-        }
-        // Relative velocity and impulse of an update: D rows of H at two grains, twice.
-        let update = 4 * (D * N) as u64;
-        let cost = |work: Work| {
-            update * work.contact_updates + work.triangular_solve_entries + work.factorisation_multiply_adds
-        };
-        let mut swept = self.ended;
-        swept += self.sweeps.work();
-        cost(self.factorised()) < cost(swept)
-    }
-
-    /// Returns the work of all that factorises.
-    fn factorised(&self) -> Work {
-        let mut work = self.newton.work();
-        self.relaxation.iter().for_each(|relaxation| work += relaxation.work());
-        self.points.iter().for_each(|points| work += points.work());
-        work
     }
 
     /// The relaxation, or proximal points where it has been tried or is far from the law; neither, where factors do not fit in memory.
@@ -245,16 +197,8 @@ where
     fn proximal(&mut self) {
         let Some(points) = &mut self.points else { return };
         match points.advance(&mut self.newton, &mut self.best, ROUND_OFF * self.scale) {
-            Approach::On => {
-                if !self.may_factorise() {
-                    self.phase = Phase::Sweeps;
-                    self.halved.1 = self.swept;
-                }
-            }
-            Approach::Nearly => {
-                self.try_newton();
-                self.rung = 0.0;
-            }
+            Approach::On => {}
+            Approach::Nearly => self.try_newton(),
             Approach::Solved | Approach::InVain => self.phase = Phase::Ended,
         }
     }
@@ -274,7 +218,7 @@ where
         self.phase = match self.newton.advance(&mut self.best) {
             Step::Solved => Phase::Ended,
             Step::On => Phase::Newton,
-            Step::InVain if self.rung == 0.0 || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
+            Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
             Step::InVain => {
                 self.phase = Phase::Sweeps;
                 return self.sweep();
@@ -311,7 +255,9 @@ where
     fn work(&self) -> Work {
         let mut work = self.ended;
         work += self.sweeps.work();
-        work += self.factorised();
+        self.relaxation.iter().for_each(|relaxation| work += relaxation.work());
+        work += self.newton.work();
+        self.points.iter().for_each(|points| work += points.work());
         work
     }
 }
@@ -344,7 +290,6 @@ impl ActiveSet {
             relaxation: None,
             points: None,
             phase: Phase::Sweeps,
-            floor: (f64::INFINITY, 0),
             rung,
             scale,
             best: Best { left, impulses: r0.to_vec() },

@@ -138,8 +138,6 @@ impl Exact {
 }
 
 impl Points<2, 3> for Exact {
-    const TAKE_TURNS: bool = false;
-
     fn new(newton: &Newton<2, 3>, best: &Best) -> Option<Self> {
         let mut path = Path::new(newton.layout.clone()).ok()?;
         path.s = path.layout.scaled(&best.impulses);

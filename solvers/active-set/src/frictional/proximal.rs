@@ -113,8 +113,6 @@ impl Proximal {
 }
 
 impl Points<3, 6> for Proximal {
-    const TAKE_TURNS: bool = true;
-
     fn new(newton: &InSpace, best: &Best) -> Option<Self> {
         let s = newton.layout.scaled(&best.impulses);
         Some(Self { epsilon: FIRST, centre: s.clone(), s, steps: 0, in_vain: 0, halved: best.left, since: 0 })
