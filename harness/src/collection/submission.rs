@@ -8,6 +8,7 @@ use crate::terminal::{read_sealed, write_sealed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use cases::of_json;
 use clap::ValueEnum;
+use contact::obeys_friction;
 use lineup::{Law, OneProblem, Posed, hash_of};
 use reference::is_same;
 use schemars::JsonSchema;
@@ -157,7 +158,7 @@ impl Submission {
             }
             Posed::W(problem) => {
                 let mut contacts = r.chunks(each).zip(problem.friction()).enumerate();
-                if let Some((k, (own, mu))) = contacts.find(|(_, (own, mu))| !is_in_cone(own, **mu)) {
+                if let Some((k, (own, mu))) = contacts.find(|(_, (own, mu))| !obeys_friction(own, **mu)) {
                     bail!(
                         "`impulse` of contact {k} is {own:?}: it must be finite, with a normal part that is not negative and a tangential part of at most {mu} times it"
                     );
@@ -270,15 +271,6 @@ impl Submission {
         self.verified = Some(verified);
         write_sealed(&file, &serde_json::to_string(&self)?)
     }
-}
-
-/// Share by which an impulse of W alone may be outside of its cone (–), which is that of impulses between grains.
-const OUTSIDE: f64 = 1e-9;
-
-/// Reports whether an impulse (N·s), its normal part first, is finite and in the cone of μ.
-fn is_in_cone(r: &[f64], mu: f64) -> bool {
-    let along = r[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
-    r[0] >= 0.0 && r[0].is_finite() && along <= (1.0 + OUTSIDE) * mu * r[0]
 }
 
 /// Solutions that are stored of one problem at most: where there is a continuum, more say nothing new.

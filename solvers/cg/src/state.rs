@@ -137,7 +137,7 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// The part of u around the circle of the cone that a contact which slides does not take; 0 in the plane.
+    /// Returns the part of u around the circle of the cone that a sliding contact does not take; 0 in the plane.
     ///
     /// The circle has the radius ρ = μ `r_n`. With λ the part of u that points out of it, the projection of r + u/`w_t` turns by
     /// ρ/(ρ + λ/`w_t`) of the part along it, and that is what w has: the reduced gradient of Bouchala, Dostál and Vodstrčil (J.

@@ -39,7 +39,7 @@ pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{
     Cone, Frictional, Rough, RoughColumn, RoughContact, RoughDiscs, RoughMass, RoughSpheres, SphereColumn,
-    frame,
+    frame, obeys_friction,
 };
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};

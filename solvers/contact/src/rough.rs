@@ -12,7 +12,6 @@ pub use spheres::{SphereColumn, frame};
 
 use crate::discs::{Contact, Smooth};
 use crate::error::{ProblemError, is_not_negative, is_positive};
-use crate::law::tangential;
 use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::problem::ContactProblem;
 use nalgebra::{SVector, Vector2};
@@ -144,9 +143,10 @@ pub struct RoughContact<const D: usize = 2> {
 /// Size below which the norm of an impulse may be wrong, since squares underflow (N·s).
 const UNDERFLOW: f64 = 1e-150;
 
-/// Reports whether impulses r (N·s), the normal one first, are in Coulomb's cone of friction μ, but for round-off.
-pub(crate) fn obeys_friction<const D: usize>(r: SVector<f64, D>, friction: f64) -> bool {
-    is_not_negative(r[0]) && tangential(r).1 <= (1.0 + 1e-9) * friction * r[0] + UNDERFLOW
+/// Reports whether an impulse r (N·s), its normal part first, is finite and in Coulomb's cone of friction μ, but for round-off.
+pub fn obeys_friction(r: &[f64], friction: f64) -> bool {
+    let along = r[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
+    is_not_negative(r[0]) && along <= (1.0 + 1e-9) * friction * r[0] + UNDERFLOW
 }
 
 impl<const D: usize> Touch<Rough<D>> for RoughContact<D>
@@ -201,7 +201,7 @@ where
     }
 
     fn is_admissible(&self, r: SVector<f64, D>) -> bool {
-        obeys_friction(r, self.friction)
+        obeys_friction(r.as_slice(), self.friction)
     }
 
     fn fault(&self) -> Option<(&'static str, f64, &'static str)> {

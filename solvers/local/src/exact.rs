@@ -74,8 +74,8 @@ pub(crate) fn space(w: &Matrix3<f64>, q: &Vector3<f64>, friction: f64) -> Vector
     slide(best.map_or_else(else_along, |(_, e)| e))
 }
 
-/// The e, |e| = 1, with a + B e = λ e and λ ≤ 0, where the symmetric part of B is positive definite; `None` else, and where |B⁻¹ a| is
-/// below 1.
+/// Returns the e, |e| = 1, with a + B e = λ e and λ ≤ 0, where the symmetric part of B is positive definite; `None` else, and where
+/// |B⁻¹ a| is below 1.
 ///
 /// |x| of x = −(B − λ)⁻¹ a then rises from 0 with λ, since d|x|²/dλ = 2 xᵗ (B − λ)⁻¹ x > 0, and is 1 once below λ = 0. 1/|x| is nearly
 /// a line: Newton's method on it takes a few steps, within [−|a|, 0], where that must be. (J. J. Moré, D. C. Sorensen, Computing a trust

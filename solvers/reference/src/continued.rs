@@ -84,8 +84,8 @@ fn way(
     };
     let mut ratio = first_ratio;
     while factor > 1.0 {
-        let ratios = [ratio, ratio.sqrt()].into_iter().chain(OTHERS);
-        let (next, taken, found) = ratios.into_iter().find_map(|ratio| {
+        let mut ratios = [ratio, ratio.sqrt()].into_iter().chain(OTHERS);
+        let (next, taken, found) = ratios.find_map(|ratio| {
             let next = f64::max(1.0, factor / ratio);
             search(next, &r).map(|found| (next, ratio, found))
         })?;
