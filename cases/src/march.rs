@@ -71,7 +71,7 @@ impl<M: Marched> March<M> {
         if let Some(highest) = (0..grains.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
             velocity[highest] = M::Place::of([x, y - case.scene.impact_speed_m_per_s, 0.0]);
         }
-        let mut mass: Vec<_> = grains.iter().map(|grain| inertia::<M>(grain, true)).collect();
+        let mut mass: Vec<_> = grains.iter().map(|grain| inertia::<M>(grain, !case.scene.spinless)).collect();
         for (body, at) in case.scene.bodies(&grains) {
             mass.push(inertia::<M>(&body, false));
             velocity.push(at);

@@ -156,6 +156,7 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         greatest_overlap_m: o.greatest_overlap,
         mean_overlap_m: o.mean_overlap,
         greatest_speed_m_per_s: o.greatest_speed,
+        greatest_displacement_m: displacement(seen),
         floor_impulse_n_s,
         left_impulse_n_s,
         right_impulse_n_s,
@@ -163,6 +164,15 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         stress: o.stress,
         bulk: o.bulk,
     }
+}
+
+/// Returns the greatest distance of a grain from its origin, or of its periodic image if that is nearer (m).
+fn displacement(seen: &Seen) -> f64 {
+    let of = |(k, from): (usize, &[f64; 3])| {
+        let to = seen.march.beside(*from, k as u32).unwrap_or(*from);
+        from.iter().zip(to).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
+    };
+    seen.origin.iter().enumerate().map(of).fold(0.0, f64::max)
 }
 
 /// The later row, of one time step, with the impulses and the energies of both and their extremes, and the mean of the stresses of so
@@ -190,6 +200,8 @@ pub(crate) struct Seen<'a> {
     pub(crate) outcome: &'a Outcome,
     pub(crate) observables: &'a Observables,
     pub(crate) totals: &'a Totals,
+    /// Places of the grains before the first time step (m).
+    pub(crate) origin: &'a [[f64; 3]],
 }
 
 /// End of a simulation.
@@ -219,6 +231,8 @@ pub(crate) fn through_time(
 ) -> Result<(Totals, End)> {
     let mut totals = Totals::default();
     let mut failed = false;
+    let grains = march.grain_count();
+    let origin: Vec<[f64; 3]> = march.bodies().iter().take(grains).map(|body| body.place).collect();
     for k in 1..=time_steps {
         if halt() {
             return Ok((totals, End::Interrupted(format!("stopped before time step {k}"))));
@@ -233,7 +247,7 @@ pub(crate) fn through_time(
         totals.restarted_time_steps += u64::from(failed && rule.warm_start.is_warm());
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
         let (problem, outcome, observables) = (&*lineup::problem(frozen), &outcome, &observables);
-        see(&Seen { march, problem, outcome, observables, totals: &totals })?;
+        see(&Seen { march, problem, outcome, observables, totals: &totals, origin: &origin })?;
     }
     Ok((totals, End::Completed))
 }
