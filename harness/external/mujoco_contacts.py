@@ -49,7 +49,7 @@ for alpha, (i, j) in enumerate(zip(contacts["candidate"], contacts["antagonist"]
     along = max(float(mu[alpha]), mujoco.mjMINMU)
     pairs += f'<pair geom1="{j}" geom2="g{i}" condim="{dimension}" friction="{along!r} {along!r}" margin="1e6" {RIGID}/>'
 model = mujoco.MjModel.from_xml_string(
-    f"""<mujoco><option timestep="{h!r}" gravity="0 0 0" cone="elliptic" solver="{dict(newton="Newton", cg="CG", pgs="PGS")[run.words[0]]}" jacobian="sparse" iterations="{run.iterations}"
+    f"""<mujoco><option timestep="{h!r}" gravity="0 0 0" cone="elliptic" solver="{dict(newton="Newton", cg="CG", pgs="PGS")[run.words[0]]}" jacobian="{run.words[1]}" iterations="{run.iterations}"
     tolerance="{run.tolerance!r}"><flag warmstart="disable" island="disable"/></option><size memory="2G"/><worldbody>{bodies}</worldbody>
     <contact>{pairs}</contact></mujoco>"""
 )
@@ -67,7 +67,10 @@ for contact in data.contact:
     row_of[contact.efc_address + np.arange(run.rows)] = run.rows * alpha + np.arange(run.rows)
 motion = np.array([mass] * space + [inertia] * (model.nv // len(mass) - space)).T.ravel()
 rows = a.multiply(np.sqrt(motion)).tocsr()
-places, columns = np.repeat(np.arange(data.nefc), data.efc_J_rownnz), data.efc_J_colind
+if mujoco.mj_isSparse(model):
+    places, columns = np.repeat(np.arange(data.nefc), data.efc_J_rownnz), data.efc_J_colind
+else:
+    places, columns = (place.ravel() for place in np.indices((data.nefc, model.nv)))
 is_of = row_of[places] >= 0
 values = np.zeros(len(columns))
 values[is_of] = np.asarray(rows[row_of[places[is_of]], columns[is_of]]).ravel()

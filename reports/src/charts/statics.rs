@@ -125,7 +125,9 @@ impl Group<'_> {
     /// Returns its name among others: with its time step where the case has several.
     fn title(&self, all: &[Self]) -> String {
         let law = self.law.map(|law| format!(", {law}")).unwrap_or_default();
-        let same = |other: &Self| other.case != self.case || other.milliseconds == self.milliseconds;
+        let same = |other: &Self| {
+            (other.case, other.law) != (self.case, self.law) || other.milliseconds == self.milliseconds
+        };
         let step =
             if all.iter().all(same) { String::new() } else { format!(", h = {} ms", self.milliseconds) };
         format!("{}{law}{step}", self.case)
@@ -173,14 +175,14 @@ fn creep(judged: &[Judged], looks: &[(String, Look)], warm: bool) -> String {
             Curve::new(label.clone(), Look { mark, ..*look }, points, Through::Points)
         };
         let curves = looks.iter().zip(MARKS.into_iter().cycle()).map(curve).collect();
-        let y = Side::new(Scale::Ten, format!("{}: creep (µm/s)", group.title(&groups)));
+        let y = Side::new(Scale::Ten, group.title(&groups));
         let x = Side::new(Scale::Ten, "tolerance: natural map (–)");
         Panel::new(x, y.holding([log(LEAST)]), curves)
     };
     let panels = groups.iter().map(panel).collect();
     let start = if warm { "from the impulses of the one before" } else { "from none" };
     let title = vec![
-        format!("How fast what stands creeps, each time step begun {start}"),
+        format!("Creep of what stands (µm/s), each time step begun {start}"),
         format!("On the lower edge: {} µm/s and less", number(LEAST, 1)),
     ];
     Plot { title, panels, ..Plot::default() }.svg()
