@@ -205,13 +205,11 @@ fn both_forms_of_a_programme_come_to_the_certified_velocity() {
 /// With friction, in the plane and in space; without the code the test says so and checks nothing.
 #[test]
 fn other_codes_leave_little_of_coulombs_law() {
-    for (code, solver, problem) in
-        [
-            ("siconos-fc2d", "fc2d-nsgs", "thrown-disc"),
-            ("siconos-fc3d", "fc3d-prox", "rough-250"),
-            ("pinocchio", "admm", "rough-250"),
-        ]
-    {
+    for (code, solver, problem) in [
+        ("siconos-fc2d", "fc2d-nsgs", "thrown-disc"),
+        ("siconos-fc3d", "fc3d-prox", "rough-250"),
+        ("pinocchio", "admm", "rough-250"),
+    ] {
         if !other_codes().contains(&(code.to_owned(), true)) {
             eprintln!("skipped: {code} is not installed; `gravel list methods` says how to install it");
             continue;
@@ -234,7 +232,8 @@ fn mujoco_comes_as_near_as_its_softness_allows() {
         let set = format!("solver={solver}");
         // Its Newton's method may fail with a sparse Jacobian.
         let set = ["--set", &set, "--set", "jacobian=dense"];
-        let object = gravel(&[&["solve", "settled-60", "--json", "--method", "mujoco"], &set[..]].concat()).json();
+        let object =
+            gravel(&[&["solve", "settled-60", "--json", "--method", "mujoco"], &set[..]].concat()).json();
         assert_eq!(object["status"], "stalled", "{solver}: {object}");
         object["natural_map"].as_f64().unwrap()
     };
