@@ -29,7 +29,7 @@ pub use observe::homogenised::{Homogenised, Tensor};
 pub use observe::stress::Stress;
 pub use problem::any::{AnyFrozen, OfAnyMechanics};
 pub use problem::frozen::Frozen;
-pub use problem::marched::{Inertia, Listed, Marched, Parts};
+pub use problem::marched::{Inertia, Listed, Marched, Parts, to_candidate};
 pub use problem::time_step::TimeStep;
 pub use sample::Sample;
 pub use sample::deposit::Disc;

@@ -5,6 +5,7 @@ mod begin;
 mod contacts;
 pub(crate) mod parts;
 mod start;
+mod state;
 mod view;
 
 use crate::bodies::joints::Joints;
@@ -99,6 +100,11 @@ impl<M: Marched> March<M> {
     /// Time steps done.
     pub fn time_steps(&self) -> u64 {
         self.done
+    }
+
+    /// Returns the time (s).
+    pub fn time(&self) -> f64 {
+        self.done as f64 * self.scene.time_step_s
     }
 
     /// Number of grains; a lid is none, nor is a driven segment.

@@ -102,6 +102,7 @@ mod run {
     mod simulation;
     #[cfg(test)]
     mod tests;
+    mod until;
     mod vtk;
 
     pub(crate) use answer::{asked, outcome, to_json};
@@ -111,8 +112,11 @@ mod run {
     pub(crate) use homogenised::homogenised;
     pub(crate) use problem::{Snapshots, run_on_problem};
     pub(crate) use repeats::{Kept, Made, refused, repeated};
-    pub(crate) use rows::{derived, ended_row, given_row, partitions, scene_rows, skipped_row};
+    pub(crate) use rows::{
+        contact_forces, derived, ended_row, given_row, partitions, scene_rows, skipped_row,
+    };
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
+    pub(crate) use until::{Until, Watch};
     pub(crate) use vtk::Frames;
 }
 

@@ -87,7 +87,7 @@ impl<M: Marched> March<M> {
     /// space of four corners.
     pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
         let reach = |along: M::Place| reach(&self.position, &self.radius, along);
-        let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
+        let mut walls = drawn(&self.scene, self.time(), reach);
         let lid = PlacedLid::of(&self.scene, &self.position, &self.radius);
         walls.extend(lid.and_then(PlacedLid::drawn));
         let driven = DrivenSegment::all(&self.scene, &self.position, |_| M::Place::ZERO);
@@ -105,7 +105,7 @@ impl<M: Marched> March<M> {
         let height = height.map(|lid| lid.foot[1]);
         let area = self.scene.period().0.zip(height).map(|(width, height)| width * height);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
-        let time = self.done as f64 * self.scene.time_step_s;
+        let time = self.time();
         Observables {
             time,
             kinetic_energy: kinetic.sum(),
