@@ -21,6 +21,8 @@ pub struct Grain<P = Vector2<f64>> {
     pub mass: f64,
     /// Centre (m).
     pub position: P,
+    /// Velocity along x, y and z (m/s), and spin about them (rad/s), beside those that the scene gives.
+    pub motion: [f64; 6],
 }
 
 /// The antagonist of a detected contact. Its order is that of the contacts of one candidate in a problem.

@@ -78,14 +78,23 @@ impl<M: Marched> March<M> {
             velocity.push(at);
             grains.push(body);
         }
+        let mut velocity: Vec<_> = velocity.into_iter().map(translating::<M>).collect();
+        for (velocity, Grain { motion, .. }) in velocity.iter_mut().zip(&grains) {
+            // To the bit, and to the sign of a zero, where nothing is given.
+            if motion.iter().any(|value| *value != 0.0) {
+                let [x, y, .., spin] = *motion;
+                let of_disc = [x, y, spin];
+                *velocity += M::Velocity::at(if M::Place::LEN > 2 { motion } else { &of_disc }, 0);
+            }
+        }
         let march = Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
-            joints: Joints::of(&case.scene),
+            joints: Joints::of(&case.scene, M::Place::LEN > 2),
             radius: grains.iter().map(|grain| grain.radius).collect(),
             mass,
             position: grains.iter().map(|grain| grain.position).collect(),
-            velocity: velocity.into_iter().map(translating::<M>).collect(),
+            velocity,
             neighbours: RefCell::default(),
             done: 0,
             last: Vec::new(),

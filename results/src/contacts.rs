@@ -244,3 +244,49 @@ fn write(writer: &mut BatchedWriter<File>, rows: &mut Vec<ContactForce>) -> Pola
     rows.clear();
     writer.write_batch(&columns)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Body, ContactForce, ContactStatus, ContactTable};
+    use crate::columns::rows;
+    use polars::prelude::{ParquetReader, SerReader};
+    use std::fs::{self, File};
+
+    fn row(candidate: u32) -> ContactForce {
+        let (segment, status) = (Some(7), ContactStatus::Slides);
+        ContactForce {
+            candidate,
+            body: Body::Segment,
+            segment,
+            status,
+            gap_m: -0.5,
+            ..ContactForce::default()
+        }
+    }
+
+    #[test]
+    fn parquet_holds_the_rows_of_all_time_steps_and_is_not_there_before_its_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("contacts.parquet");
+        let mut table = ContactTable::begin(&path).unwrap().unwrap();
+        table.add(vec![row(1), row(2)]).unwrap();
+        table.add(Vec::new()).unwrap();
+        table.add(vec![row(3)]).unwrap();
+        assert!(!path.exists());
+        table.finish().unwrap();
+        let read = ParquetReader::new(File::open(&path).unwrap()).finish().unwrap();
+        assert_eq!(rows::<ContactForce>(&read).unwrap(), [row(1), row(2), row(3)]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn csv_is_there_at_any_moment_and_another_ending_makes_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("contacts.csv");
+        let mut table = ContactTable::begin(&path).unwrap().unwrap();
+        table.add(vec![row(1)]).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 2);
+        assert!(ContactTable::begin(&folder.path().join("contacts.txt")).unwrap().is_none());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
