@@ -67,7 +67,8 @@ fn file_that_is_no_text_in_utf_8_is_named_with_its_byte() {
         "{latin}"
     );
     std::fs::write(&file, "\u{feff}x_m,y_m,radius_m\n0,0,1\n").unwrap();
-    assert_eq!(placed(&file, false), Ok(vec![[0.0, 0.0, 0.0, 1.0]]));
+    let grains = placed(&file, false).unwrap();
+    assert_eq!(grains.iter().map(|grain| grain.ball).collect::<Vec<_>>(), [[0.0, 0.0, 0.0, 1.0]]);
 }
 
 #[test]
