@@ -4,6 +4,7 @@ pub use cases::{Bulk, Energy, Stress};
 use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::ops::AddAssign;
 
 use crate::error::RowError;
 use crate::journal::{Entry, named};
@@ -113,6 +114,21 @@ pub struct Totals {
     /// Energy balance of all time steps.
     #[serde(flatten)]
     pub energy: Energy,
+}
+
+impl AddAssign for Totals {
+    fn add_assign(&mut self, other: Self) {
+        self.time_steps += other.time_steps;
+        self.missed_time_steps += other.missed_time_steps;
+        self.diverged_time_steps += other.diverged_time_steps;
+        self.infeasible_time_steps += other.infeasible_time_steps;
+        self.restarted_time_steps += other.restarted_time_steps;
+        self.iterations += other.iterations;
+        self.setup_s += other.setup_s;
+        self.iterating_s += other.iterating_s;
+        self.work += other.work;
+        self.energy += other.energy;
+    }
 }
 
 /// Part of a simulation in a study.
