@@ -1,6 +1,6 @@
 //! A simulation that another program steers: time steps at its call, with what they show as lists of numbers.
 
-use super::root;
+use super::{root, wrong_key};
 use crate::plan::{Method, Rule};
 use crate::problems::read_case;
 use crate::run::{End, Seen, Until, Watch, contact_forces, in_the_pool, missed, observed, through_time};
@@ -83,17 +83,19 @@ impl Simulation {
         let begin = || -> Result<Self> {
             let root = root()?;
             let request: Value = serde_json::from_str(request)?;
-            let request: Request = serde_path_to_error::deserialize(request).map_err(|error| {
-                let path = error.path().to_string();
-                anyhow!("`{}`: {}", path.strip_prefix("stop.").unwrap_or(&path), error.inner())
-            })?;
+            let request: Request =
+                serde_path_to_error::deserialize(request).map_err(|error| wrong_key(&error))?;
             let case = read_case(&root.case(name)?, scene)?;
             let mut march = march(&case)?;
             let method = match request.method {
                 Some(name) => Method::new(&name, request.settings)?,
                 None => {
                     let default = Method::marching(case.scene.is_rough(), "none")?;
-                    if request.settings.is_empty() { default } else { Method::new(default.name, request.settings)? }
+                    if request.settings.is_empty() {
+                        default
+                    } else {
+                        Method::new(default.name, request.settings)?
+                    }
                 }
             };
             request.stop.check()?;
@@ -133,7 +135,12 @@ impl Simulation {
             .map_err(|error| crate::in_one_paragraph(&error))
     }
 
-    fn advanced(&mut self, time_steps: u64, with_contacts: bool, stops: &dyn Fn() -> bool) -> Result<Advanced> {
+    fn advanced(
+        &mut self,
+        time_steps: u64,
+        with_contacts: bool,
+        stops: &dyn Fn() -> bool,
+    ) -> Result<Advanced> {
         let Self { march, method, rule, watch, .. } = self;
         let last = march.time_steps().saturating_add(time_steps);
         let (mut rows, mut contacts, mut is_met): (Vec<Observed>, Vec<ContactForce>, _) =
@@ -153,7 +160,8 @@ impl Simulation {
             return Err(anyhow!("method `{}`, {why}", self.method.name));
         }
         let missed = missed(&self.totals, &rule.stop);
-        let reason = if matches!(end, End::Completed) { missed.unwrap_or_default() } else { end.reason().to_owned() };
+        let reason =
+            if matches!(end, End::Completed) { missed.unwrap_or_default() } else { end.reason().to_owned() };
         let told = json!({
             "status": end.status(),
             "reason": reason,

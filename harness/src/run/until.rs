@@ -3,11 +3,11 @@
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use results::simulation::Observed;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Condition on which a simulation ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Until {
     /// No grain has moved faster than 1e-3 √(g d) for a time of √(d/g), where d is the mean diameter

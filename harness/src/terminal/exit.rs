@@ -68,6 +68,11 @@ pub(crate) fn listen_for_interrupts(kept: &'static str) -> Result<()> {
     ctrlc::set_handler(handler).context("Ctrl-C cannot be caught")
 }
 
+/// Requests an end after the current iteration, or takes the request back.
+pub(crate) fn request(is_requested: bool) {
+    REQUESTED.store(is_requested, Ordering::Relaxed);
+}
+
 /// Reports whether the user requested an end.
 pub(crate) fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)

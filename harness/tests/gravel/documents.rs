@@ -168,7 +168,8 @@ fn every_column_of_a_simulation_is_on_its_page() {
     for file in [rows, contacts] {
         let written = fs::read_to_string(&file).unwrap();
         let header = written.lines().next().unwrap();
-        let missing: Vec<&str> = header.split(',').filter(|name| !page.contains(&format!("`{name}`"))).collect();
+        let missing: Vec<&str> =
+            header.split(',').filter(|name| !page.contains(&format!("`{name}`"))).collect();
         assert!(missing.is_empty() && header.contains(','), "{}: {missing:?}", file.display());
     }
 }

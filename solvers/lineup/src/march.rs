@@ -34,7 +34,7 @@ pub struct Attempt {
 }
 
 /// A march through time.
-pub trait OneMarch {
+pub trait OneMarch: Send {
     /// Returns the unusual values of its scene, each by its key.
     fn warnings(&self) -> Vec<String>;
 
