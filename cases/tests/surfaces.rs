@@ -203,6 +203,23 @@ fn paddle_pushes_a_disc_at_the_speed_of_its_place() {
     assert!((place(&march)[0] - x(turned)).abs() < 1e-2, "{} for {}", place(&march)[0], x(turned));
 }
 
+/// In the corner between a tube and the plate that it stands on, a sphere touches each once.
+#[test]
+fn rim_of_a_tube_that_stands_on_a_plate_is_not_felt() {
+    let plate = "[[scene.segments]]\ncorners_m = [[-9.0, 0.0, -9.0], [9.0, 0.0, -9.0], [9.0, 0.0, 9.0], [-9.0, 0.0, 9.0]]\n";
+    let tube = "[[scene.segments]]\nfrom_m = [0.0, 0.0, 0.0]\nto_m = [0.0, 4.0, 0.0]\nradius_m = 2.0\nhollow = true\n";
+    for order in [format!("{plate}{tube}"), format!("{tube}{plate}")] {
+        let case = scene("[[1.5, 0.5, 0.0, 0.5]]", &format!("slope_rad = 0.6\n{order}")).unwrap();
+        let (outcome, march) = after(&case, 5);
+        let mut impulses = outcome.impulses;
+        impulses.sort_by(f64::total_cmp);
+        assert_eq!(impulses.len(), 2);
+        near(impulses[0], MASS * G * H * 0.6_f64.sin());
+        near(impulses[1], MASS * G * H * 0.6_f64.cos());
+        near(march.velocity()[0].norm(), 0.0);
+    }
+}
+
 #[test]
 fn driven_polygon_falls_as_a_piston_and_a_removed_one_lets_go() {
     let piston = "[scene.segments.driven]\nmass_kg = 100.0\nforce_n = 0.0\ndirection = [0.0, -1.0, 0.0]\n";

@@ -61,8 +61,10 @@ fn around(scene: &Scene, segment: &Segment) -> Vec<Other> {
     };
     let others = (0..).zip(&scene.segments).filter(|(_, other)| !std::ptr::eq(*other, segment));
     let others = others.filter(|(_, other)| segment.moves_as(other) && meets(other));
-    let stands =
-        scene.walls.as_ref().is_some_and(|walls| stands_in(segment, walls) && segment.radius_m == 0.0);
+    let stands = scene
+        .walls
+        .as_ref()
+        .is_some_and(|walls| stands_in(segment, walls) && segment.half_thickness() == 0.0);
     let walls = (0..if stands { 5 } else { 0 }).map(Other::Wall);
     others.map(|(number, _)| Other::Segment(number, None)).chain(walls).collect()
 }
@@ -228,9 +230,12 @@ impl<'s, P: Place> Line<'s, P> {
     /// Checks that the point beside which a sphere is lies on another segment.
     fn lies_on(&self, there: &Placed<P>, (disc, beside): (&Seeker<P>, &Beside<P>), room: f64) -> bool {
         let point = disc.place - beside.between;
-        // The surface of a hollow cylinder is at its radius, that of others around their middle.
-        let shrunk = if there.segment.shape() == Shape::Hollow { 0.0 } else { -there.segment.radius_m };
-        let on = there.segment.beside(&there.ends, P::ZERO, (point, shrunk), f64::INFINITY);
+        let on = there.segment.beside(
+            &there.ends,
+            P::ZERO,
+            (point, -there.segment.half_thickness()),
+            f64::INFINITY,
+        );
         on.is_some_and(|on| on.between.length() <= room)
     }
 
@@ -246,7 +251,7 @@ impl<'s, P: Place> Line<'s, P> {
         match *other {
             Other::Segment(other, at) => {
                 let Some(there) = &self.placed[other as usize] else { return Hides::No };
-                let [radius, own] = [there, placed].map(|placed| placed.segment.radius_m);
+                let [radius, own] = [there, placed].map(|placed| placed.segment.half_thickness());
                 let Some(nearest) = there.beside(disc, f64::INFINITY).filter(|_| radius >= own) else {
                     return Hides::No;
                 };

@@ -76,6 +76,11 @@ impl Segment {
         }
     }
 
+    /// Half its thickness (m); the wall of a hollow cylinder has none.
+    pub(crate) fn half_thickness(&self) -> f64 {
+        if self.hollow { 0.0 } else { self.radius_m }
+    }
+
     /// Returns its corners, or its two ends, at a `time` (s), if it is there and moves as given.
     pub(crate) fn corners<P: Place>(&self, time: f64) -> Option<Vec<P>> {
         let is_there = self.driven.is_none() && self.removed_at_s.is_none_or(|removed| time < removed);

@@ -375,7 +375,7 @@ def test_settings_of_tables_are_columns(tmp_path):
 
 def test_study_is_run_and_its_tables_are_read(tmp_path, monkeypatch):
     pytest.importorskip("pandas")
-    for folder in ("cases", "harness/plans", "harness/external"):
+    for folder in ("cases/frozen", "harness/plans"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "cases" / "column.toml").write_text((CHECKOUT / "cases" / "column.toml").read_text())
     plan = 'name = "mine"\nwhy = "A test."\ncharts = []\ncases = [{ case = "column" }]\n'
