@@ -153,7 +153,8 @@ fn freeze(
 
 /// Runs a plan, as `gravel bench` with these arguments: the folder of its tables.
 #[pyfunction]
-fn bench(py: Python, arguments: Vec<String>) -> PyResult<PathBuf> {
+#[pyo3(name = "bench")]
+fn study(py: Python, arguments: Vec<String>) -> PyResult<PathBuf> {
     heeded(py, move |stopped| library::bench(arguments, || stopped.load(Ordering::Relaxed)))
 }
 
@@ -191,7 +192,7 @@ fn _native(module: &Bound<PyModule>) -> PyResult<()> {
     for function in [
         wrap_pyfunction!(problem, module)?,
         wrap_pyfunction!(freeze, module)?,
-        wrap_pyfunction!(bench, module)?,
+        wrap_pyfunction!(study, module)?,
     ] {
         module.add_function(function)?;
     }
