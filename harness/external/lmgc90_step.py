@@ -1,22 +1,25 @@
-"""LMGC90: a scene with the problem as its first time step, solved by `nlgs` or `cpg`. Not tested here: it is on no index.
+"""LMGC90: a scene with the problem as its first time step, solved by `nlgs` or `cpg`.
 
 Discs are at rest in space with their free velocity, without gravity; a wall is a thin JONCx at its contact. The law is
 IQS_CLB, theta is 1: c = max(0, gap)/h, and motion of the wall. A problem with another c between two discs is refused, and so is
 an answer in which LMGC90 found contacts that the problem has not, and that press. Discs are placed where their contacts have the
 problem's normals and gaps, which `grains.position` need not be (`scene.py`); where no places do, the problem is refused. Scenes pass
-through its text files, whose numbers have 7 digits: W and b of the discs in them are compared with the problem's, and refused where
-they differ by more than the tolerance that is asked. So is an answer that lacks a contact of the problem.
+through its text files, whose numbers have 14 characters and, as it writes them, 8 digits: they are written again with all that the characters
+hold. W and b of the discs in them are compared with the problem's, and refused where they differ by more than the tolerance
+that is asked. So is an answer that lacks a contact of the problem.
 """
 
 import math
 import os
+import pathlib
+import re
 import sys
 import tempfile
 
 import numpy as np
 from driver import Run, tangents
 from pylmgc90 import chipy, pre
-from scene import placed, refuse, rounded
+from scene import in_14_characters, placed, refuse, rounded
 
 run = Run()
 problem, grains, contacts = run.problem, run.problem["grains"], run.problem["contacts"]
@@ -78,6 +81,16 @@ for antagonist, colour in (("DISKx", "GRAIN"), ("JONCx", "WALLx")):
         )
     )
 pre.writeDatbox(2, materials, models, bodies, laws, tables, gravy=[0.0, 0.0, 0.0], post=pre.postpro_commands())
+numbers_of = {
+    "BULK_BEHAV.DAT": ("Umas=", density),
+    "BODIES.DAT": ("coo[12]=|byrd=", [x for i, body in enumerate(bodies) for x in [*body.nodes[1].coor[:2], *radius[i : i + 1]]]),
+    "DOF.INI": (r"V\([123]\)=", [x for of_body in free for x in [*of_body, 0.0][:3]] + [0.0] * 3 * (len(bodies) - len(free))),
+}
+for name, (key, values) in numbers_of.items():
+    file, values = pathlib.Path("DATBOX", name), iter(values)
+    file.write_text(re.sub(f"({key}).{{14}}", lambda found: found[1] + in_14_characters(next(values)), file.read_text()))
+    if next(values, None) is not None:
+        sys.exit(f"pylmgc90 writes {name} in a form that the driver does not know")
 
 chipy.Initialize()
 chipy.checkDirectories()
@@ -85,7 +98,16 @@ chipy.utilities_DisableLogMes()
 chipy.SetDimension(2, 1)
 chipy.TimeEvolution_SetTimeStep(h)
 chipy.Integrator_InitTheta(1.0)
-chipy.ReadDatbox(deformable=False)
+chipy.ReadBehaviours()
+if chipy.tact_behav_GetNbTactBehav() == 0:
+    # One version leaves TACT_BEHAV.DAT unread, and knows laws only by those that are there when it is asked.
+    chipy.tact_behav_ReadBehaviours()
+    chipy.ReadBehaviours()
+# The rest of its ReadDatbox, without the copies of what was read.
+for read in (
+    chipy.ReadBodies, chipy.LoadBehaviours, chipy.ReadIniDof, chipy.ReadDrivenDof, chipy.LoadTactors, chipy.ReadIniVlocRloc,
+):
+    read()
 chipy.ComputeMass()
 chipy.IncrementStep()
 chipy.ComputeFext()

@@ -44,11 +44,16 @@ def placed(problem):
     return x + shift, float(np.abs(d - b @ (x + shift)).max())
 
 
-def rounded(problem, position, density, digits=7):
-    """The problem of discs that are in a file at these positions (m), of these densities (kg/m2), in numbers of so many digits:
-    normals between two of them are those of the positions, and offsets those of their gaps there; with a wall both are the problem's,
-    since walls are placed by them."""
-    shown = np.vectorize(lambda x: float(f"{x:.{digits - 1}e}"), otypes=[float])
+def in_14_characters(x):
+    """A number with as many decimals as a field of 14 characters has room for."""
+    return f"{x:14.{max(0, 13 - len(f'{x:.0f}'))}f}"
+
+
+def rounded(problem, position, density, written=in_14_characters):
+    """The problem of discs that are in a file at these positions (m), of these densities (kg/m2), with all numbers as `written`: normals
+    between two of them are those of the positions, and offsets those of their gaps there; with a wall both are the problem's, since walls
+    are placed by them."""
+    shown = np.vectorize(lambda x: float(written(x)), otypes=[float])
     grains, contacts = problem["grains"], problem["contacts"]
     x, radius = shown(position), shown(np.array(grains["radius"]))
     mass = np.pi * radius**2 * shown(density)

@@ -83,7 +83,7 @@ given = np.array(problem["grains"]["position"])
 assert missed < 1e-14 and 1e-6 < np.abs(x - given).max(), (missed, np.abs(x - given).max())
 
 
-right, wrong = [difference(problem, rounded(problem, there, density(problem), digits=17)) for there in (x, given)]
+right, wrong = [difference(problem, rounded(problem, there, density(problem), written=repr)) for there in (x, given)]
 assert right["b"][0] < 1e-9 and right["W"][0] < 1e-12, right
 assert wrong["b"][0] > 1e-3, wrong
 print(f"moved by up to {np.abs(x - given).max():.1e} m, to {missed:.1e} m; b differs by {right['b'][0]:.1e}, else by {wrong['b'][0]:.1e}")

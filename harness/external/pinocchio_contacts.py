@@ -1,0 +1,47 @@
+"""Pinocchio: point contacts in space with Coulomb's law or its convex relaxation, by ADMM or projected Gauss-Seidel on a given W.
+
+A contact's rows are in Pinocchio's order, both tangents before the normal. A tangential row that the problem has not is the identity,
+without a part in the rest.
+"""
+
+import threading
+
+import numpy as np
+import pinocchio
+import scipy.sparse as sparse
+from driver import Run
+
+run = Run()
+a, b = run.unitless()
+mu = run.friction
+count = len(mu)
+taken = (3 * np.arange(count)[:, None] + np.array([2, 0, 1])[: run.rows]).ravel()
+into = sparse.csr_matrix((np.ones(len(taken)), (taken, np.arange(len(taken)))), (3 * count, len(taken)))
+w = (into @ (a @ a.T) @ into.T + sparse.identity(3 * count) - into @ into.T).tocsc()
+models, datas, free = pinocchio.StdVec_ConstraintModel(), pinocchio.StdVec_ConstraintData(), pinocchio.Model()
+for of_contact in mu:
+    contact = pinocchio.PointContactConstraintModel(free)
+    contact.setFriction(of_contact)
+    contact = pinocchio.ConstraintModel(contact)
+    models.append(contact)
+    datas.append(contact.createData())
+if run.words[0] == "admm":
+    solver, settings, result = pinocchio.ADMMConstraintSolver(), pinocchio.ADMMSolverSettings(), pinocchio.ADMMSolverResult()
+    # Its default decomposes the whole of W for one eigenvalue, which takes minutes.
+    settings.lanczos_size = 10
+    w = pinocchio.DelassusOperatorSparse(w)
+else:
+    solver, settings, result = pinocchio.PGSConstraintSolver(), pinocchio.PGSSolverSettings(), pinocchio.PGSSolverResult()
+    w = pinocchio.DelassusOperatorDense(w.toarray())
+settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = run.tolerance
+settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
+settings.max_iterations = run.iterations
+settings.solve_ncp = run.words[1] == "coulomb"
+run.solving()
+# Its Gauss-Seidel copies W to the stack, which 8 MB end at a thousand rows.
+threading.stack_size(2**26 + 8 * (3 * count) ** 2 // 4096 * 4096)
+thread = threading.Thread(target=solver.solve, args=(w, into @ b, models, datas, settings, result))
+thread.start()
+thread.join()
+run.solved()
+run.answer(result.retrieveConstraintImpulses()[taken], result.iterations, "converged" if result.converged else "iteration limit")
