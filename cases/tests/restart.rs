@@ -96,7 +96,9 @@ fn state_of_something_else_or_a_damaged_one_is_refused_by_key_and_value() {
     let write = |text: &str| fs::write(&file, text).unwrap();
     let says = |case: &Case, words: &[&str]| {
         let refused = refused(&file, case);
-        words.iter().for_each(|word| assert!(refused.contains(word), "no `{word}` in: {refused}"));
+        for word in words {
+            assert!(refused.contains(word), "no `{word}` in: {refused}");
+        }
     };
     write(&text);
     says(

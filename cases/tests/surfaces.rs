@@ -243,7 +243,9 @@ fn surfaces_without_meaning_are_refused_by_key() {
             Err(error) => error,
             Ok(case) => March::<Spheres>::new(&case).unwrap_err().to_string(),
         };
-        words.iter().for_each(|word| assert!(error.contains(word), "no `{word}` in: {error}"));
+        for word in words {
+            assert!(error.contains(word), "no `{word}` in: {error}");
+        }
     };
     let one = |keys: &str| format!("[[scene.segments]]\n{keys}\n");
     refused(

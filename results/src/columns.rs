@@ -160,9 +160,9 @@ where
             DataType::String => {
                 Values::Texts(column.str()?.iter().map(|text| text.unwrap_or_default().to_owned()).collect())
             }
-            DataType::UInt64 => Values::Counts(
-                column.u64()?.iter().map(|count| count.map_or(-1, |count| count as i64)).collect(),
-            ),
+            DataType::UInt64 => {
+                Values::Counts(column.u64()?.iter().map(|count| count.map_or(-1, u64::cast_signed)).collect())
+            }
             _ => {
                 let numbers = column.cast(&DataType::Float64)?;
                 Values::Numbers(numbers.f64()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect())

@@ -169,7 +169,7 @@ pub struct ContactTable(Kind);
 
 enum Kind {
     Csv(File),
-    Parquet { unfinished: Unfinished, writer: BatchedWriter<File>, rows: Vec<ContactForce> },
+    Parquet { unfinished: Unfinished, writer: Box<BatchedWriter<File>>, rows: Vec<ContactForce> },
 }
 
 /// Endings of the names of tables.
@@ -195,7 +195,7 @@ impl ContactTable {
                 let unfinished = Unfinished::beside(path)?;
                 let writer = ParquetWriter::new(unfinished.handle()?);
                 let columns = table::<ContactForce>([])?;
-                let writer = writer.batched(columns.schema())?;
+                let writer = Box::new(writer.batched(columns.schema())?);
                 Kind::Parquet { unfinished, writer, rows: Vec::new() }
             }
             _ => return Ok(None),

@@ -222,23 +222,6 @@ impl<'s, P: Place> Line<'s, P> {
         })
     }
 
-    /// Distance within which points of two segments coincide (m).
-    fn room(&self, placed: &Placed<P>, there: &Placed<P>) -> f64 {
-        TOGETHER * size(placed.segment).min(size(there.segment))
-    }
-
-    /// Checks that the point beside which a sphere is lies on another segment.
-    fn lies_on(&self, there: &Placed<P>, (disc, beside): (&Seeker<P>, &Beside<P>), room: f64) -> bool {
-        let point = disc.place - beside.between;
-        let on = there.segment.beside(
-            &there.ends,
-            P::ZERO,
-            (point, -there.segment.half_thickness()),
-            f64::INFINITY,
-        );
-        on.is_some_and(|on| on.between.length() <= room)
-    }
-
     /// Determines how an`other` body, on which an end of a segment lies, hides that end from a disc to which it is the nearest
     /// point.
     fn hides(
@@ -255,15 +238,16 @@ impl<'s, P: Place> Line<'s, P> {
                 let Some(nearest) = there.beside(disc, f64::INFINITY).filter(|_| radius >= own) else {
                     return Hides::No;
                 };
-                let nearest_here = |end: End| match at {
-                    Some(at) => end == End::Of(at),
-                    None => {
-                        P::LEN > 2 && (nearest.between - beside.between).length() <= self.room(placed, there)
-                    }
-                };
-                if P::LEN > 2 && !self.lies_on(there, (disc, beside), self.room(placed, there)) {
+                // In 3D an edge lies on another surface here and not there.
+                let room =
+                    if P::LEN > 2 { TOGETHER * size(placed.segment).min(size(there.segment)) } else { 0.0 };
+                if P::LEN > 2 && !there.is_beneath(disc.place - beside.between, room) {
                     return Hides::No;
                 }
+                let nearest_here = |end: End| match at {
+                    Some(at) => end == End::Of(at),
+                    None => P::LEN > 2 && (nearest.between - beside.between).length() <= room,
+                };
                 if nearest.end.is_some_and(nearest_here) {
                     let has_it = radius > own || other < number;
                     return if has_it { Hides::AtItsEnd } else { Hides::No };
@@ -317,6 +301,13 @@ struct Nearer<P> {
 }
 
 impl<P: Place> Placed<'_, P> {
+    /// Checks that a point lies on the segment, to within a `room` (m).
+    fn is_beneath(&self, point: P, room: f64) -> bool {
+        let grain = (point, -self.segment.half_thickness());
+        let beside = self.segment.beside(&self.ends, P::ZERO, grain, f64::INFINITY);
+        beside.is_some_and(|beside| beside.between.length() <= room)
+    }
+
     fn beside(&self, disc: &Seeker<P>, reach: f64) -> Option<Beside<P>> {
         let came = match &self.next {
             // The place at which the segment was under what it now is under has turned with it.

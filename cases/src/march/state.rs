@@ -92,7 +92,9 @@ impl<R> Impulses<R> {
         check_length(&format!("{table}.impulse"), impulse.len(), candidate.len())?;
         let impulses: Vec<V> = impulse.into_iter().map(V::of_list).collect();
         check_finite(&format!("{table}.impulse"), &impulses)?;
-        for (index, grain) in candidate.iter().enumerate().filter(|(_, grain)| **grain as usize >= bodies) {
+        if let Some((index, grain)) =
+            candidate.iter().enumerate().find(|(_, grain)| **grain as usize >= bodies)
+        {
             return Err(format!("`{table}.candidate[{index}]` is {grain}: there are {bodies} bodies"));
         }
         let kept: Kept<V> = candidate.into_iter().zip(antagonist).zip(impulses).collect();

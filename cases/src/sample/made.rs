@@ -77,7 +77,9 @@ impl Sample {
                 let radii = Radii { sizes, range: radius_m, dimensions: 3 }.drawn(grains, seed)?;
                 let radii = with_room(radii, radius_m[1], None, &[width, depth])?;
                 let mut spheres = deposit::deposit_spheres(&radii, [width.1, depth.1], seed);
-                spheres.iter_mut().for_each(|sphere| sphere[1] += lift_m);
+                for sphere in &mut spheres {
+                    sphere[1] += lift_m;
+                }
                 spheres
             }
             Self::Placed { ref file, .. } => return self.placed(&folder.join(file), false),

@@ -92,7 +92,9 @@ impl Segment {
         let mut corners = self.corners_at(self.moved(time));
         if let Some(turning) = &self.turning {
             let (moved, angle) = (self.moved(time), turning.angle(time));
-            corners.iter_mut().for_each(|corner| *corner = turning.turned(*corner, moved, angle));
+            for corner in &mut corners {
+                *corner = turning.turned(*corner, moved, angle);
+            }
         }
         corners
     }

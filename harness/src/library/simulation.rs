@@ -87,16 +87,11 @@ impl Simulation {
                 serde_path_to_error::deserialize(request).map_err(|error| wrong_key(&error))?;
             let case = read_case(&root.case(name)?, scene)?;
             let mut march = march(&case)?;
+            // The default has settings of its own, unless others are given.
+            let default = Method::marching(case.scene.is_rough(), "none")?;
             let method = match request.method {
-                Some(name) => Method::new(&name, request.settings)?,
-                None => {
-                    let default = Method::marching(case.scene.is_rough(), "none")?;
-                    if request.settings.is_empty() {
-                        default
-                    } else {
-                        Method::new(default.name, request.settings)?
-                    }
-                }
+                None if request.settings.is_empty() => default,
+                name => Method::new(name.as_deref().unwrap_or(default.name), request.settings)?,
             };
             request.stop.check()?;
             march.check(method.ours()?)?;
