@@ -73,9 +73,9 @@ def packing(
     if len(walls):
         axes.add_collection(LineCollection([corners[:, _PLANE] for corners in walls], colors="0.2", linewidths=1.0))
     axes.set_aspect("equal")
-    axes.set_xlim((place[:, 0] - radius).min(), (place[:, 0] + radius).max())
-    axes.set_ylim((place[:, 1] - radius).min(), (place[:, 1] + radius).max())
-    axes.margins(0.05)
+    room = radius.max()
+    axes.set_xlim((place[:, 0] - radius).min() - room, (place[:, 0] + radius).max() + room)
+    axes.set_ylim((place[:, 1] - radius).min() - room, (place[:, 1] + radius).max() + room)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     return axes
