@@ -37,6 +37,8 @@ pub struct March<M: Mechanics = Discs> {
     radius: Vec<f64>,
     mass: Vec<M::Mass>,
     position: Vec<M::Place>,
+    /// Places when time began (m).
+    origin: Vec<M::Place>,
     velocity: Vec<M::Velocity>,
     /// Cached pairs of close grains: they save work and change no contact.
     neighbours: RefCell<Neighbours<M::Place>>,
@@ -72,7 +74,7 @@ impl<M: Marched> March<M> {
         if let Some(highest) = (0..grains.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
             velocity[highest] = M::Place::of([x, y - case.scene.impact_speed_m_per_s, 0.0]);
         }
-        let mut mass: Vec<_> = grains.iter().map(|grain| inertia::<M>(grain, true)).collect();
+        let mut mass: Vec<_> = grains.iter().map(|grain| inertia::<M>(grain, !case.scene.spinless)).collect();
         for (body, at) in case.scene.bodies(&grains) {
             mass.push(inertia::<M>(&body, false));
             velocity.push(at);
@@ -94,6 +96,7 @@ impl<M: Marched> March<M> {
             radius: grains.iter().map(|grain| grain.radius).collect(),
             mass,
             position: grains.iter().map(|grain| grain.position).collect(),
+            origin: grains.iter().map(|grain| grain.position).collect(),
             velocity,
             neighbours: RefCell::default(),
             done: 0,

@@ -47,6 +47,9 @@ pub struct Scene {
     /// Coulomb's μ between grains, and at walls that have none of their own (–). Where all are 0 or left out there is no friction, and
     /// grains have no spin.
     pub friction: Option<f64>,
+    /// True where grains translate and never spin, as blocks too low to tip.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub spinless: bool,
     /// Velocity at which every grain begins (m/s).
     #[serde(default)]
     pub thrown_at_m_per_s: [f64; 2],

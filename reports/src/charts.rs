@@ -22,6 +22,7 @@ mod ranks;
 mod relaxation;
 mod sample;
 mod sound;
+mod statics;
 #[cfg(test)]
 mod sweep_tests;
 mod trajectory;
@@ -200,6 +201,12 @@ const CHARTS: &[Chart] = &[
         makes: "`sound`",
         shows: "the speed of sound that few iterations of a time step give to rigid grains: how fast a weight comes to the floor",
         parts: Parts::Simulations(sound::parts),
+    },
+    Chart {
+        name: "statics",
+        makes: "`statics-warm`, `statics-cold`, `statics-boundary`",
+        shows: "what stands by static friction and how fast it creeps, beside exact answers: against the tolerance, warm and cold; over slope and friction",
+        parts: Parts::Simulations(statics::parts),
     },
     Chart {
         name: "next-step",

@@ -207,6 +207,9 @@ pub struct Observed {
     /// Greatest speed of a grain since the row before (m/s).
     #[serde(with = "number")]
     pub greatest_speed_m_per_s: f64,
+    /// Greatest distance of a grain from where it was when time began (m); NaN in journals older than this column.
+    #[serde(default = "unknown", with = "number")]
+    pub greatest_displacement_m: f64,
     /// All impulses of the contacts with the floor and its bumps, the drum and the segments since the row before (N·s).
     #[serde(with = "number")]
     pub floor_impulse_n_s: f64,
@@ -225,6 +228,10 @@ pub struct Observed {
     /// Properties away from walls and surface, likewise; NaN where one is not defined in one of the time steps.
     #[serde(flatten)]
     pub bulk: Bulk,
+}
+
+fn unknown() -> f64 {
+    f64::NAN
 }
 
 /// A simulation with its series: one line of the journal.

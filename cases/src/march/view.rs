@@ -72,6 +72,12 @@ impl<M: Marched> March<M> {
             .map(|((r, q), v)| (*r, *q, translation::<M>(*v)))
     }
 
+    /// Returns the greatest distance of a grain from where it was when time began, or of its periodic image if that is nearer (m).
+    fn greatest_displacement(&self) -> f64 {
+        let moved = |(k, from): (u32, &M::Place)| (self.beside(*from, k).unwrap_or(*from) - *from).length();
+        (0..).zip(&self.origin[..self.grain_count()]).map(moved).fold(0.0, f64::max)
+    }
+
     /// Mass of each grain (kg), and its moment of inertia (kg m²), if it spins.
     pub fn mass(&self) -> &[M::Mass] {
         &self.mass
@@ -117,6 +123,7 @@ impl<M: Marched> March<M> {
             energy,
             stress: Stress::of(time_step, &self.scene, (grains, area), r),
             bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
+            greatest_displacement: self.greatest_displacement(),
             greatest_speed: greatest(self.velocity.iter().map(|v| translation::<M>(*v).length())),
         }
     }

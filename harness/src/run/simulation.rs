@@ -157,6 +157,7 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         greatest_overlap_m: o.greatest_overlap,
         mean_overlap_m: o.mean_overlap,
         greatest_speed_m_per_s: o.greatest_speed,
+        greatest_displacement_m: o.greatest_displacement,
         floor_impulse_n_s,
         left_impulse_n_s,
         right_impulse_n_s,

@@ -56,6 +56,7 @@ fn simulated(number: u32) -> Simulated {
         greatest_overlap_m: f64::NAN,
         mean_overlap_m: 5e-324,
         greatest_speed_m_per_s: 1.0,
+        greatest_displacement_m: 0.1,
         floor_impulse_n_s: 1.0,
         left_impulse_n_s: 2.0,
         right_impulse_n_s: 3.0,
