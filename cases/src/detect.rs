@@ -6,6 +6,8 @@ pub(crate) mod periodic;
 use crate::detect::periodic::Period;
 use contact::{Groups, Place};
 use nalgebra::Vector2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// The share of the smaller radius by which two grains may overlap at first (–): what another code left of its contacts.
 pub(crate) const OVERLAP: f64 = 0.1;
@@ -19,10 +21,13 @@ pub struct Grain<P = Vector2<f64>> {
     pub mass: f64,
     /// Centre (m).
     pub position: P,
+    /// Velocity along x, y and z (m/s), and spin about them (rad/s), beside those that the scene gives.
+    pub motion: [f64; 6],
 }
 
 /// The antagonist of a detected contact. Its order is that of the contacts of one candidate in a problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, JsonSchema, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Side {
     /// The floor.
     Floor,

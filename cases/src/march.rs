@@ -5,6 +5,7 @@ mod begin;
 mod contacts;
 pub(crate) mod parts;
 mod start;
+mod state;
 mod view;
 
 use crate::bodies::joints::Joints;
@@ -36,6 +37,8 @@ pub struct March<M: Mechanics = Discs> {
     radius: Vec<f64>,
     mass: Vec<M::Mass>,
     position: Vec<M::Place>,
+    /// Places when time began (m).
+    origin: Vec<M::Place>,
     velocity: Vec<M::Velocity>,
     /// Cached pairs of close grains: they save work and change no contact.
     neighbours: RefCell<Neighbours<M::Place>>,
@@ -77,14 +80,24 @@ impl<M: Marched> March<M> {
             velocity.push(at);
             grains.push(body);
         }
+        let mut velocity: Vec<_> = velocity.into_iter().map(translating::<M>).collect();
+        for (velocity, Grain { motion, .. }) in velocity.iter_mut().zip(&grains) {
+            // To the bit, and to the sign of a zero, where nothing is given.
+            if motion.iter().any(|value| *value != 0.0) {
+                let [x, y, .., spin] = *motion;
+                let of_disc = [x, y, spin];
+                *velocity += M::Velocity::at(if M::Place::LEN > 2 { motion } else { &of_disc }, 0);
+            }
+        }
         let march = Self {
             name: case.name.clone(),
             scene: case.scene.clone(),
-            joints: Joints::of(&case.scene),
+            joints: Joints::of(&case.scene, M::Place::LEN > 2),
             radius: grains.iter().map(|grain| grain.radius).collect(),
             mass,
             position: grains.iter().map(|grain| grain.position).collect(),
-            velocity: velocity.into_iter().map(translating::<M>).collect(),
+            origin: grains.iter().map(|grain| grain.position).collect(),
+            velocity,
             neighbours: RefCell::default(),
             done: 0,
             last: Vec::new(),
@@ -99,6 +112,11 @@ impl<M: Marched> March<M> {
     /// Time steps done.
     pub fn time_steps(&self) -> u64 {
         self.done
+    }
+
+    /// Returns the time (s).
+    pub fn time(&self) -> f64 {
+        self.done as f64 * self.scene.time_step_s
     }
 
     /// Number of grains; a lid is none, nor is a driven segment.

@@ -28,6 +28,8 @@ pub struct Observables {
     pub wall_impulses: [f64; 5],
     /// Contacts of the problem.
     pub contacts: usize,
+    /// Greatest distance of a grain from where it was when time began (m).
+    pub greatest_displacement: f64,
     /// Greatest speed of a grain (m/s).
     pub greatest_speed: f64,
     /// Energy balance of the time step.

@@ -150,17 +150,29 @@ pub enum Sample {
         /// Distribution of the radii between these two; without it uniform by number.
         #[serde(default)]
         sizes: Sizes,
+        /// Width of the place that they are laid in, from x = 0 on, where the box is wider or there is none (m).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        width_m: Option<f64>,
+        /// Its depth, from z = 0 on, likewise (m).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        depth_m: Option<f64>,
+        /// Height of the level that they are laid on, such as above the gate of a hopper (m).
+        #[serde(default, skip_serializing_if = "is_zero")]
+        lift_m: f64,
         /// Mass per volume (kg/m³).
         density_kg_per_m3: f64,
     },
-    /// Discs at the places of a CSV file, with the columns `x_m`, `y_m` and `radius_m`; others are ignored.
+    /// Discs at the places of a CSV file, with the columns `x_m`, `y_m` and `radius_m`, and where they are there `density_kg_per_m2`,
+    /// `velocity_x_m_per_s`, `velocity_y_m_per_s` and `spin_rad_per_s`; others are ignored.
     Placed {
         /// The file, seen from the folder of the case.
         file: PathBuf,
         /// Mass per area (kg/m²).
         density_kg_per_m2: f64,
     },
-    /// Spheres at the places of a CSV file, with the columns `x_m`, `y_m`, `z_m` and `radius_m`.
+    /// Spheres at the places of a CSV file, with the columns `x_m`, `y_m`, `z_m` and `radius_m`, and where they are there
+    /// `density_kg_per_m3`, `velocity_x_m_per_s`, `velocity_y_m_per_s` and `velocity_z_m_per_s`, `spin_x_rad_per_s`, `spin_y_rad_per_s`
+    /// and `spin_z_rad_per_s`.
     PlacedSpheres {
         /// The file, seen from the folder of the case.
         file: PathBuf,
@@ -172,6 +184,11 @@ pub enum Sample {
         /// File of the problem, seen from the folder of the case.
         file: PathBuf,
     },
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 fn one() -> f64 {

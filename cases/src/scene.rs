@@ -1,10 +1,13 @@
 //! A scene: gravity, the box and its motion, the contact law, the time step.
 
+pub(crate) mod beside;
+pub(crate) mod coordinates;
 pub(crate) mod driven;
 pub(crate) mod drum;
 pub(crate) mod lid;
 pub(crate) mod motion;
 pub(crate) mod segments;
+pub(crate) mod turning;
 pub(crate) mod walls;
 
 use crate::detect::Grain;
@@ -61,7 +64,7 @@ pub struct Scene {
     pub walls: Option<Walls>,
     /// A drum around the origin, in place of a box.
     pub drum: Option<Drum>,
-    /// Straight walls with two ends, and fixed discs.
+    /// Straight walls with ends, and fixed discs; among spheres polygons, rods and hollow cylinders.
     #[serde(default)]
     pub segments: Vec<Segment>,
 }
@@ -177,7 +180,7 @@ impl Scene {
             (body, P::of([lid.speed_m_per_s, 0.0, 0.0]))
         });
         let of_segments = self.driven().map(|(_, segment, driven)| {
-            (Grain { radius, mass: driven.mass_kg, position: segment.middle() }, P::ZERO)
+            (Grain { radius, mass: driven.mass_kg, position: segment.middle(), motion: [0.0; 6] }, P::ZERO)
         });
         of_lid.into_iter().chain(of_segments).collect()
     }
@@ -204,13 +207,17 @@ impl Scene {
                 "`scene.box.vibration.direction` is z: it must be x or y, since discs have no depth"
                     .to_owned()
             }
-            _ if in_space && !self.segments.is_empty() => discs_alone("segments"),
             None if in_space && closing != 0.0 => format!(
                 "`scene.box.depth_closing_speed_m_per_s` is {}: it needs `scene.box.depth_m`",
                 shown(closing)
             ),
             _ if in_space && self.lid().is_some() => discs_alone("box.lid"),
-            _ => return Ok(()),
+            _ => {
+                let numbered = self.segments.iter().enumerate();
+                let mut named =
+                    numbered.map(|(number, segment)| (format!("scene.segments[{number}]"), segment));
+                return named.try_for_each(|(place, segment)| segment.check_dimensions(&place, in_space));
+            }
         })
     }
 

@@ -193,10 +193,10 @@ fn what_has_no_meaning_is_refused_by_key_and_number() {
     );
     refused("motion = [[0.0, nan, 0.0]]", "`scene.segments[0].motion[0][1]` is NaN: it must be finite");
     refused("friction = -0.5", "`scene.segments[0].friction` is -0.5");
-    refused(
-        "vibration = { amplitude_m = 0.1, frequency_hz = 1.0, direction = \"z\" }",
-        "`scene.segments[0].vibration.direction` is z",
-    );
+    let across = "vibration = { amplitude_m = 0.1, frequency_hz = 1.0, direction = \"z\" }\n";
+    let across = scene("[[0.0, 1.5, 0.5]]", &format!("{LEVEL}{across}")).unwrap();
+    let error = March::<Discs>::new(&across).unwrap_err().to_string();
+    assert!(error.contains("`scene.segments[0].vibration.direction` is z"), "{error}");
     let driven = |mass: &str, direction: &str| {
         format!("driven = {{ mass_kg = {mass}, force_n = 1.0, direction = {direction} }}")
     };

@@ -1,10 +1,10 @@
-//! Heaps and drums: what friction holds, and what it lifts.
+//! Heaps, drums and hoppers: what friction holds, what it lifts, and what it lets flow.
 
 #![allow(clippy::unwrap_used)]
 
 use cases::{Case, Energy, March};
-use contact::{Measure, RoughDiscs};
-use nalgebra::Vector2;
+use contact::{Measure, RoughDiscs, RoughSpheres};
+use nalgebra::{Vector2, Vector3};
 use nsgs::Nsgs;
 use runner::Stop;
 use std::path::PathBuf;
@@ -110,4 +110,75 @@ fn bodies_hold_and_carry_a_disc_as_geometry_says() {
     let along = place.perp(&velocity) / place.norm();
     assert!(along.abs() > 1e-3, "it swings: {along} m/s");
     assert!((spin - (0.07 * 2.0 - along) / 0.5).abs() < 1e-3, "{spin} rad/s, {along} m/s");
+}
+
+fn spheres(name: &str, overrides: &[(&str, &str)]) -> March<RoughSpheres> {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml");
+    let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+    March::new(&Case::read(&file, &overrides).unwrap()).unwrap()
+}
+
+/// Mass below a height (kg).
+fn below(march: &March<RoughSpheres>, height: f64) -> f64 {
+    let grains = march.mass().iter().zip(march.grains());
+    grains.filter(|(_, (_, x, _))| x.y < height).map(|(m, _)| m.mass).sum()
+}
+
+/// Beverloo's law: W = C ρ_b √g (D − k d)^(5/2), with k = 1.4 and C between 0.55 and 0.65 in experiments of spheres.
+#[test]
+fn sphere_hopper_flows_at_the_rate_of_beverloo_whatever_the_height_above() {
+    let mut hopper = spheres("sphere-hopper", &[]);
+    let mut at = |time_step: u64| {
+        while hopper.time_steps() < time_step {
+            hopper.time_step(&Nsgs::default(), &STOP).unwrap();
+        }
+        // The bed from 2 to 6 diameters above the bottom.
+        (below(&hopper, 1.2), (below(&hopper, 1.8) - below(&hopper, 1.4)) / (0.4 * 1.6 * 1.6))
+    };
+    let (before, _) = at(60);
+    assert_eq!(before, 0.0, "the gate holds all");
+    let [first, second, third] = [120, 180, 240].map(&mut at);
+    let coefficient = |(from, _): (f64, f64), (to, density): (f64, f64)| {
+        let rate = (to - from) / (60.0 * 0.005);
+        let (opening, diameter) = (0.6, 0.1);
+        rate / (density * 9.81_f64.sqrt() * (opening - 1.4_f64 * diameter).powf(2.5))
+    };
+    let [early, late] = [coefficient(first, second), coefficient(second, third)];
+    assert!([early, late].iter().all(|c| (0.5..=0.7).contains(c)), "C = {early}, then {late}");
+    assert!((early / late - 1.0).abs() < 0.15, "C = {early}, then {late}");
+}
+
+/// A drum of spheres: its mean angle, from the axis to the centre of mass (°), over each of some turns.
+fn sphere_drum(turns: &[f64]) -> Vec<f64> {
+    let mut drum = spheres("sphere-drum", &[("sample.grains", "250"), ("sample.depth_m", "0.3")]);
+    let axis = Vector3::new(0.7, 1.0, 0.0);
+    let mean = |turn: &f64| {
+        let (mut sum, mut count) = (0.0, 0);
+        while (drum.time_steps() as f64) < turn * std::f64::consts::TAU / (0.443 * 0.005) {
+            let (_, seen) = drum.time_step(&Nsgs::default(), &STOP).unwrap();
+            let weights: f64 = drum.mass().iter().map(|m| m.mass).sum();
+            let grains = drum.mass().iter().zip(drum.grains());
+            let centre = grains.map(|(m, (_, x, _))| x * m.mass).sum::<Vector3<f64>>() / weights - axis;
+            sum += centre.x.atan2(-centre.y).to_degrees();
+            count += 1;
+            // What sinks by this much comes back; grains of 0.045 m and more that sank for ever would be deeper within a second.
+            assert!(seen.greatest_overlap < 0.01 * 0.045, "{} m", seen.greatest_overlap);
+            assert!(drum.grains().all(|(_, x, _)| (0.0..=0.5).contains(&x.z)), "between the ends");
+        }
+        sum / f64::from(count)
+    };
+    turns.iter().map(mean).collect()
+}
+
+#[test]
+fn sphere_drum_lifts_its_spheres_and_none_sinks_into_it() {
+    let angles = sphere_drum(&[0.2, 0.3]);
+    assert!(angles[1] > 15.0 && angles[1] < 40.0, "{angles:?}");
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn sphere_drum_keeps_its_angle_over_two_turns_and_no_sphere_sinks_into_it() {
+    let angles = sphere_drum(&[0.25, 1.0, 2.0]);
+    assert!(angles[2] > 10.0 && (angles[2] - angles[1]).abs() < 2.0, "{angles:?}");
 }

@@ -116,18 +116,6 @@ fn segments_without_meaning_are_refused_by_key_and_number() {
 }
 
 #[test]
-fn segments_are_refused_for_spheres() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("spheres.toml");
-    let box_of_spheres =
-        std::fs::read_to_string(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("sphere-box.toml"));
-    std::fs::write(&path, box_of_spheres.unwrap() + LEVEL).unwrap();
-    let case = Case::read(&path, &[]).unwrap();
-    let refused = March::<contact::Spheres>::new(&case).unwrap_err().to_string();
-    assert!(refused.contains("`scene.segments` is for discs"), "{refused}");
-}
-
-#[test]
 fn disc_rolls_down_a_rough_segment_that_leans() {
     // tan = 0.75 ≤ 3 μ: it rolls, at 2/3 g sin; the spin follows.
     let leaning = "friction = 0.3\n[[scene.segments]]\nfrom_m = [-4.0, 3.0]\nto_m = [4.0, -3.0]\n";

@@ -8,6 +8,7 @@ mod cli {
     pub(crate) mod collection;
     pub(crate) mod convert;
     pub(crate) mod freeze;
+    pub(crate) mod init;
     pub(crate) mod keys;
     pub(crate) mod list;
     pub(crate) mod merge;
@@ -102,6 +103,7 @@ mod run {
     mod simulation;
     #[cfg(test)]
     mod tests;
+    mod until;
     mod vtk;
 
     pub(crate) use answer::{asked, outcome, to_json};
@@ -111,8 +113,11 @@ mod run {
     pub(crate) use homogenised::homogenised;
     pub(crate) use problem::{Snapshots, run_on_problem};
     pub(crate) use repeats::{Kept, Made, refused, repeated};
-    pub(crate) use rows::{derived, ended_row, given_row, partitions, scene_rows, skipped_row};
+    pub(crate) use rows::{
+        contact_forces, derived, ended_row, given_row, partitions, scene_rows, skipped_row,
+    };
     pub(crate) use simulation::{End, Seen, Through, missed, observed, run_simulation, through_time};
+    pub(crate) use until::{Until, Watch};
     pub(crate) use vtk::Frames;
 }
 
@@ -200,8 +205,8 @@ mod root;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
-    bench, certify, collection as collected, convert, freeze, list, merge, plan as show, regress, report,
-    schema, simulate, solve, split, submit, view, which,
+    bench, certify, collection as collected, convert, freeze, init, list, merge, plan as show, regress,
+    report, schema, simulate, solve, split, submit, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;
@@ -272,6 +277,8 @@ enum Command {
     /// March a case through time
     #[command(after_help = exit::HELP)]
     Simulate(simulate::Args),
+    /// Make a folder of one's own for cases, plans, codes and results, with one of each to begin from
+    Init(init::Args),
     /// List what there is: cases, problems, methods, plans or charts
     List(list::Args),
     /// Print the JSON schema of plans, cases or problems: every key with its meaning; editors complete and check with it
@@ -346,6 +353,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Split(args) => in_the_pool(|| split::run(&root, &args))?,
         Command::Join(args) => split::join(&args)?,
         Command::Simulate(args) => return in_the_pool(|| simulate::run(&root, &args)),
+        Command::Init(args) => init::run(&args)?,
         Command::List(args) => list::run(&root, &args)?,
         Command::Schema(args) => schema::run(&args)?,
     }

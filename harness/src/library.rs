@@ -1,18 +1,30 @@
 //! The methods for a program that is not the command line, such as the Python package of `harness/python`: a problem is
 //! text, an error is what `gravel` would print.
 
+mod simulation;
+
+use crate::cli::bench;
 use crate::plan::{Curves, Method, read_external};
 use crate::problems::{CaseProblem, Problem};
-use crate::root::{Root, is_toml};
+use crate::root::{Root, is_toml, stem};
 use crate::run::{Recorder, asked, in_the_pool, outcome, to_json};
-use anyhow::{Context, Result, anyhow, bail};
-use cases::AnyFrozen;
+use crate::store::runs_folder;
+use crate::terminal::{exit, prepare_place, write_whole};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use cases::{AnyFrozen, check_name};
+use clap::Parser;
 use contact::Measure;
 use runner::{Progress, Stop};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+pub use results::columns::Values;
+pub use simulation::{Advanced, Bodies, Simulation, Table};
 
 /// Request to solve a problem: method, settings, stop rule.
 #[derive(Deserialize)]
@@ -59,9 +71,7 @@ pub fn problem(
     let read = || -> Result<String> {
         let path = root()?.problem_or_case(name)?;
         let frozen = if is_toml(&path) {
-            let case = CaseProblem::read(&path, scene, "time_step", time_step)?;
-            let (method, stop) = case.before()?;
-            in_the_pool(|| case.marched(&method, &stop, "", &stops))?
+            marched(&path, scene, time_step, &stops)?
         } else if scene.is_empty() && time_step.is_none() {
             AnyFrozen::read(&path)?
         } else {
@@ -72,6 +82,80 @@ pub fn problem(
     read().map_err(|error| crate::in_one_paragraph(&error))
 }
 
+/// Returns the problem of a case at a time step.
+fn marched(
+    path: &Path,
+    scene: Vec<(String, String)>,
+    time_step: Option<&str>,
+    stops: &(dyn Fn() -> bool + Sync),
+) -> Result<AnyFrozen> {
+    let case = CaseProblem::read(path, scene, "time_step", time_step)?;
+    let (method, stop) = case.before()?;
+    in_the_pool(|| case.marched(&method, &stop, &CaseProblem::solved_by(&method, &stop), &|| stops()))
+}
+
+/// Writes the problem of a case with values of its scene replaced, at a time step, as a file that is not there, named after it.
+///
+/// # Errors
+/// Says what `gravel` would print.
+pub fn freeze(
+    name: &str,
+    scene: Vec<(String, String)>,
+    time_step: Option<&str>,
+    output: &Path,
+    stops: impl Fn() -> bool + Send + Sync,
+) -> Result<(), String> {
+    let write = || -> Result<()> {
+        ensure!(!output.exists(), "{} exists: give another file", output.display());
+        prepare_place(output)?;
+        let problem = stem(output);
+        check_name(&problem).map_err(|why| anyhow!("{}: the problem's {why}", output.display()))?;
+        let mut frozen = marched(&root()?.case(name)?, scene, time_step, &stops)?;
+        frozen.rename(&problem);
+        write_whole(output, frozen.to_json()?)
+    };
+    write().map_err(|error| crate::in_one_paragraph(&error))
+}
+
+/// Arguments of `gravel bench`.
+#[derive(Parser)]
+#[command(name = "bench", no_binary_name = true)]
+struct Bench {
+    #[command(flatten)]
+    args: bench::Args,
+}
+
+/// Interval between two questions whether to end a study.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Runs a plan, as `gravel bench` does with these arguments, and returns the folder of its tables; `stops` is asked whether to end after
+/// the current iteration of each run.
+///
+/// # Errors
+/// Says what `gravel` would print.
+pub fn bench(arguments: Vec<String>, stops: impl Fn() -> bool + Send + Sync) -> Result<PathBuf, String> {
+    let run = || -> Result<PathBuf> {
+        let Bench { args } = Bench::try_parse_from(arguments)?;
+        let root = root()?;
+        let checkout = root.needed()?;
+        let folder = runs_folder(checkout).join(args.study.selection(checkout)?.plan.name);
+        let has_ended = AtomicBool::new(false);
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                while !has_ended.load(Ordering::Relaxed) {
+                    exit::request(stops());
+                    thread::sleep(LOOK);
+                }
+            });
+            let ended = bench::run(checkout, &args);
+            has_ended.store(true, Ordering::Relaxed);
+            ended
+        })?;
+        Ok(folder)
+    };
+    run().map_err(|error| crate::in_one_paragraph(&error))
+}
+
 /// Solves the problem with this text; `stops` is asked after every iteration whether to end.
 ///
 /// # Errors
@@ -80,8 +164,8 @@ pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) 
     let run = || -> Result<Solved> {
         let root = root()?;
         let request: Value = serde_json::from_str(request)?;
-        let request: Request = serde_path_to_error::deserialize(request)
-            .map_err(|error| anyhow!("`{}`: {}", error.path(), error.inner()))?;
+        let request: Request =
+            serde_path_to_error::deserialize(request).map_err(|error| wrong_key(&error))?;
         let frozen = AnyFrozen::of_text(Path::new("the problem"), text)?;
         let method = Method::new(&request.method, request.settings.clone())?;
         in_the_pool(|| solved(&root, &request, &method, frozen, &stops))
@@ -94,6 +178,12 @@ fn root() -> Result<Root> {
     let root = Root::find(None)?;
     read_external(&root)?;
     Ok(root)
+}
+
+/// Returns the error of a request by the key that its caller gave.
+fn wrong_key(error: &serde_path_to_error::Error<serde_json::Error>) -> anyhow::Error {
+    let path = error.path().to_string();
+    anyhow!("`{}`: {}", path.strip_prefix("stop.").unwrap_or(&path), error.inner())
 }
 
 fn solved(

@@ -18,7 +18,7 @@ const MERGED: [(&str, &str); 7] = [
     ("dimensions", "beyond-paper"),
     ("newton-schur", "interface"),
 ];
-const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout, or give --root DIR or GRAVEL_ROOT";
+const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout or in a folder that `gravel init` made, or give --root DIR or GRAVEL_ROOT";
 
 /// Kind of a file.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -135,6 +135,43 @@ pub fn cells(row: &impl Serialize) -> PolarsResult<Vec<(String, String)>> {
     flat(row)?.into_iter().map(|(name, value)| Ok((name, text(value)?))).collect()
 }
 
+/// Values of a column.
+pub enum Values {
+    /// Counts and indices; −1 where there is none.
+    Counts(Vec<i64>),
+    /// Numbers; NaN where one is not defined.
+    Numbers(Vec<f64>),
+    /// Texts.
+    Texts(Vec<String>),
+}
+
+/// Returns the columns of a table of `rows`, each with its name.
+///
+/// # Errors
+///
+/// If a row holds what no column can.
+pub fn lists<'r, Row>(rows: impl IntoIterator<Item = &'r Row>) -> PolarsResult<Vec<(String, Values)>>
+where
+    Row: Serialize + Default + 'r,
+{
+    let table = table(rows)?;
+    let values = |column: &Column| -> PolarsResult<Values> {
+        Ok(match column.dtype() {
+            DataType::String => {
+                Values::Texts(column.str()?.iter().map(|text| text.unwrap_or_default().to_owned()).collect())
+            }
+            DataType::UInt64 => {
+                Values::Counts(column.u64()?.iter().map(|count| count.map_or(-1, u64::cast_signed)).collect())
+            }
+            _ => {
+                let numbers = column.cast(&DataType::Float64)?;
+                Values::Numbers(numbers.f64()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect())
+            }
+        })
+    };
+    table.columns().iter().map(|column| Ok((column.name().to_string(), values(column)?))).collect()
+}
+
 /// The type of a column that holds `value`; unknown of a null.
 fn kind(value: &Value) -> PolarsResult<Option<DataType>> {
     Ok(Some(match value {

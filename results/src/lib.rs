@@ -1,6 +1,7 @@
 //! Measurements: the schema of the tables, their storage, their provenance.
 
 pub mod columns;
+pub mod contacts;
 pub mod error;
 pub mod journal;
 mod json;

@@ -4,6 +4,7 @@ pub use cases::{Bulk, Energy, Stress};
 use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::ops::AddAssign;
 
 use crate::error::RowError;
 use crate::journal::{Entry, named};
@@ -115,6 +116,21 @@ pub struct Totals {
     pub energy: Energy,
 }
 
+impl AddAssign for Totals {
+    fn add_assign(&mut self, other: Self) {
+        self.time_steps += other.time_steps;
+        self.missed_time_steps += other.missed_time_steps;
+        self.diverged_time_steps += other.diverged_time_steps;
+        self.infeasible_time_steps += other.infeasible_time_steps;
+        self.restarted_time_steps += other.restarted_time_steps;
+        self.iterations += other.iterations;
+        self.setup_s += other.setup_s;
+        self.iterating_s += other.iterating_s;
+        self.work += other.work;
+        self.energy += other.energy;
+    }
+}
+
 /// Part of a simulation in a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Role {
@@ -191,8 +207,7 @@ pub struct Observed {
     /// Greatest speed of a grain since the row before (m/s).
     #[serde(with = "number")]
     pub greatest_speed_m_per_s: f64,
-    /// Greatest distance of a grain from where it was when the simulation began, or was taken up again (m); NaN in journals older than
-    /// this column.
+    /// Greatest distance of a grain from where it was when time began (m); NaN in journals older than this column.
     #[serde(default = "unknown", with = "number")]
     pub greatest_displacement_m: f64,
     /// All impulses of the contacts with the floor and its bumps, the drum and the segments since the row before (N·s).

@@ -19,17 +19,53 @@ pub fn write<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
-    let target = behind_links(path)?;
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED).rand_bytes(RANDOM);
-    // A temporary file is closed to other users unless it asks for what files usually get.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = locked(&builder, folder.unwrap_or(Path::new(".")))?;
-    write(file.as_file_mut())?;
-    file.persist(&target).map_err(|error| error.error)?;
-    Ok(())
+    let mut unfinished = Unfinished::beside(path)?;
+    write(unfinished.file.as_file_mut())?;
+    Ok(unfinished.finish()?)
+}
+
+/// A file beside its place that has not got its name yet. Without the name it is removed.
+pub struct Unfinished {
+    file: NamedTempFile,
+    target: PathBuf,
+}
+
+impl Unfinished {
+    /// Begins a file beside `path`; a link stays, and its target is written.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn beside(path: &Path) -> io::Result<Self> {
+        let target = behind_links(path)?;
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(UNFINISHED).rand_bytes(RANDOM);
+        // A temporary file is closed to other users unless it asks for what files usually get.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = locked(&builder, folder.unwrap_or(Path::new(".")))?;
+        Ok(Self { file, target })
+    }
+
+    /// Returns another handle of the file.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn handle(&self) -> io::Result<File> {
+        self.file.as_file().try_clone()
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn finish(self) -> io::Result<()> {
+        self.file.persist(&self.target).map_err(|error| error.error)?;
+        Ok(())
+    }
 }
 
 /// Attempts at a file that nobody takes for abandoned before it is locked.

@@ -2,9 +2,10 @@
 
 use crate::detect::{Side, WALLS};
 use crate::scene::Scene;
-use crate::scene::segments::Segment;
+use crate::scene::segments::{Segment, Shape};
 use crate::scene::walls::Wall;
-use contact::Place;
+use contact::{Place, frame};
+use nalgebra::Vector3;
 
 /// The walls and bodies of a scene at a `time` (s), by their corners (m); grains reach so far along a direction.
 pub(crate) fn drawn<P: Place>(scene: &Scene, time: f64, reach: impl Fn(P) -> f64) -> Vec<(Side, Vec<P>)> {
@@ -97,13 +98,44 @@ fn outlines<P: Place>(
         })
     });
     let segments = (0..).zip(&scene.segments).flat_map(|(number, segment)| {
-        segment.ends::<P>(time).map_or_else(Vec::new, |ends| outline(segment, Side::Segment(number), ends))
+        let corners = segment.corners::<P>(time);
+        corners.map_or_else(Vec::new, |corners| outline(segment, Side::Segment(number), &corners))
     });
     drum.chain(bumps).chain(segments).collect()
 }
 
+/// Draws a segment with these corners or ends (m): a line, or two with circles at their ends; in 3D by faces of four corners.
+pub(crate) fn outline<P: Place>(segment: &Segment, side: Side, corners: &[P]) -> Vec<(Side, Vec<P>)> {
+    match segment.shape() {
+        // A fan from the first corner; where corners are odd the last face has one of them twice.
+        Shape::Polygon => (1..corners.len() - 1)
+            .step_by(2)
+            .map(|k| (side, [0, k, k + 1, (k + 2).min(corners.len() - 1)].map(|k| corners[k]).to_vec()))
+            .collect(),
+        Shape::Line | Shape::Hollow if P::LEN > 2 => tube(side, [corners[0], corners[1]], segment.radius_m),
+        Shape::Line | Shape::Hollow => line(segment, side, [corners[0], corners[1]]),
+    }
+}
+
+/// The surface of a cylinder between the ends of its axis; of one without length a sphere (m).
+fn tube<P: Place>(side: Side, [from, to]: [P; 2], radius: f64) -> Vec<(Side, Vec<P>)> {
+    let along = Vector3::from((to - from).space());
+    if along.length() == 0.0 {
+        let [x, y, z] = from.space();
+        let faces =
+            dome([x, y, z], radius).flat_map(|face| [face, face.map(|[a, b, c]| [a, 2.0 * y - b, c])]);
+        return faces.map(|face| (side, face.map(P::of).to_vec())).collect();
+    }
+    let [first, second] = frame(&along.normalize());
+    let at = |end: P, k: u32| {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(SIDES);
+        end + P::of(((first * libm::cos(angle) + second * libm::sin(angle)) * radius).into())
+    };
+    (0..SIDES).map(|k| (side, vec![at(from, k), at(to, k), at(to, k + 1), at(from, k + 1)])).collect()
+}
+
 /// Draws a segment between these ends (m): a line, or two with circles at their ends.
-pub(crate) fn outline<P: Place>(segment: &Segment, side: Side, [from, to]: [P; 2]) -> Vec<(Side, Vec<P>)> {
+fn line<P: Place>(segment: &Segment, side: Side, [from, to]: [P; 2]) -> Vec<(Side, Vec<P>)> {
     let (along, radius) = (to - from, segment.radius_m);
     let length = along.length();
     let aside = P::of([-along[1], along[0], 0.0]) * if length > 0.0 { radius / length } else { 0.0 };

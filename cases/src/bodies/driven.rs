@@ -1,7 +1,7 @@
 //! Bodies that a given force drives: a lid on the grains of a periodic box, and segments.
 //!
 //! They are the last grains of the contact problem, and contacts with them are those of grains with a body; on the bumps of a lid too.
-//! Two frictionless guides each hold them on the one direction along which they move, and a lid at its speed along x: they are
+//! Two frictionless guides each, of a segment among spheres four, hold them on the one direction along which they move, and a lid at its speed along x: they are
 //! contacts of the problem as well. A moment of inertia beyond all others keeps them from turning.
 
 use super::bumps::Bumps;
@@ -12,14 +12,16 @@ use crate::scene::Scene;
 use crate::scene::driven::Driven;
 use crate::scene::segments::Segment;
 use crate::scene::walls::WallMotion;
-use contact::Place;
+use contact::{Place, frame};
+use nalgebra::Vector3;
 
 /// The contacts of a body with its two guides, each with its normal and the rate at which it opens (m/s).
-fn guides<P: Place>(body: u32, guides: [(Side, P, f64); 2]) -> [Near<P>; 2] {
-    guides.map(|(antagonist, normal, opening)| {
+fn guides<P: Place>(body: u32, guides: impl IntoIterator<Item = (Side, P, f64)>) -> Vec<Near<P>> {
+    let guide = |(antagonist, normal, opening)| {
         let contact = DetectedContact { candidate: body, antagonist, normal, gap: 0.0 };
         (contact, WallMotion { opening, ..WallMotion::NONE })
-    })
+    };
+    guides.into_iter().map(guide).collect()
 }
 
 /// The lid of a scene where contacts are sought.
@@ -53,7 +55,7 @@ impl<'s, P: Place> PlacedLid<'s, P> {
     }
 
     /// Its contacts with its guides.
-    pub(crate) fn guides(&self) -> [Near<P>; 2] {
+    pub(crate) fn guides(&self) -> Vec<Near<P>> {
         let guide = |side, sign: f64| (side, P::of([sign, 0.0, 0.0]), -sign * self.speed);
         guides(self.body, [guide(Side::Left, 1.0), guide(Side::Right, -1.0)])
     }
@@ -96,20 +98,25 @@ impl<'s, P: Place> DrivenSegment<'s, P> {
 
     /// Its contact with a grain.
     pub(crate) fn near(&self, seeker: &Seeker<P>) -> Option<Near<P>> {
-        let ends = self.segment.ends_at(self.moved);
+        let ends = self.segment.corners_at(self.moved);
         let disc = (seeker.place, seeker.radius);
-        let beside = self.segment.beside(ends, seeker.came - self.came, disc, seeker.reach)?;
+        let beside = self.segment.beside(&ends, seeker.came - self.came, disc, seeker.reach)?;
         seeker.meets(self.side, (beside.towards(), beside.gap), || WallMotion::NONE)
     }
 
     /// Its contacts with its guides.
-    pub(crate) fn guides(&self) -> [Near<P>; 2] {
-        let across = P::of([-self.along[1], self.along[0], 0.0]);
-        guides(self.body, [(Side::Guide(0), across, 0.0), (Side::Guide(1), -across, 0.0)])
+    pub(crate) fn guides(&self) -> Vec<Near<P>> {
+        let across = if P::LEN > 2 {
+            frame(&Vector3::from(self.along.space())).map(|across| P::of(across.into())).to_vec()
+        } else {
+            vec![P::of([-self.along[1], self.along[0], 0.0])]
+        };
+        let both = across.into_iter().flat_map(|across| [across, -across]);
+        guides(self.body, (0..).zip(both).map(|(number, across)| (Side::Guide(number), across, 0.0)))
     }
 
     /// Draws it.
     pub(crate) fn drawn(&self) -> Vec<(Side, Vec<P>)> {
-        outline(self.segment, self.side, self.segment.ends_at(self.moved))
+        outline(self.segment, self.side, &self.segment.corners_at(self.moved))
     }
 }

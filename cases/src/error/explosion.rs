@@ -3,11 +3,14 @@
 use crate::detect::OVERLAP;
 use contact::Place;
 use runner::Status;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use thiserror::Error;
 
 /// A time step that did not come to its tolerance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Missed {
     /// The time step, counted from 1.
     pub time_step: u64,

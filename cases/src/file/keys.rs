@@ -82,6 +82,9 @@ impl Lacks {
             }
         }
         let Some(properties) = schema["properties"].as_object() else { return };
+        if value.is_null() && list("type").iter().any(|kind| kind == "null") {
+            return;
+        }
         let Some(table) = value.as_object() else {
             let place = if path.is_empty() { "the file".to_owned() } else { format!("`{path}`") };
             let mut keys: Vec<&str> = list("required").iter().filter_map(Value::as_str).collect();

@@ -72,6 +72,12 @@ impl<M: Marched> March<M> {
             .map(|((r, q), v)| (*r, *q, translation::<M>(*v)))
     }
 
+    /// Returns the greatest distance of a grain from where it was when time began, or of its periodic image if that is nearer (m).
+    fn greatest_displacement(&self) -> f64 {
+        let moved = |(k, from): (u32, &M::Place)| (self.beside(*from, k).unwrap_or(*from) - *from).length();
+        (0..).zip(&self.origin[..self.grain_count()]).map(moved).fold(0.0, f64::max)
+    }
+
     /// Mass of each grain (kg), and its moment of inertia (kg m²), if it spins.
     pub fn mass(&self) -> &[M::Mass] {
         &self.mass
@@ -87,7 +93,7 @@ impl<M: Marched> March<M> {
     /// space of four corners.
     pub fn walls(&self) -> Vec<(Side, Vec<M::Place>)> {
         let reach = |along: M::Place| reach(&self.position, &self.radius, along);
-        let mut walls = drawn(&self.scene, self.done as f64 * self.scene.time_step_s, reach);
+        let mut walls = drawn(&self.scene, self.time(), reach);
         let lid = PlacedLid::of(&self.scene, &self.position, &self.radius);
         walls.extend(lid.and_then(PlacedLid::drawn));
         let driven = DrivenSegment::all(&self.scene, &self.position, |_| M::Place::ZERO);
@@ -105,7 +111,7 @@ impl<M: Marched> March<M> {
         let height = height.map(|lid| lid.foot[1]);
         let area = self.scene.period().0.zip(height).map(|(width, height)| width * height);
         let overlaps = || time_step.frozen.gap.iter().map(|gap| f64::max(0.0, -gap));
-        let time = self.done as f64 * self.scene.time_step_s;
+        let time = self.time();
         Observables {
             time,
             kinetic_energy: kinetic.sum(),
@@ -117,6 +123,7 @@ impl<M: Marched> March<M> {
             energy,
             stress: Stress::of(time_step, &self.scene, (grains, area), r),
             bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
+            greatest_displacement: self.greatest_displacement(),
             greatest_speed: greatest(self.velocity.iter().map(|v| translation::<M>(*v).length())),
         }
     }

@@ -65,7 +65,7 @@ impl AnyFrozen {
     pub(crate) fn grains<P: Place>(&self) -> Vec<Grain<P>> {
         let grain = |k: usize| {
             let (radius, mass, place) = self.body(k);
-            Grain { radius, mass, position: P::of(place) }
+            Grain { radius, mass, position: P::of(place), motion: [0.0; 6] }
         };
         (0..self.size().0).map(grain).collect()
     }

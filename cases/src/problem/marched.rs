@@ -218,7 +218,7 @@ pub(crate) fn parts<M: Marched>(
 }
 
 /// Returns an impulse as the vector that acts on the candidate (N·s).
-pub(crate) fn to_candidate<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Place {
+pub fn to_candidate<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Place {
     let normal = contact.normal();
     let mut list = [0.0; 3];
     r.put(&mut list, 0);

@@ -4,7 +4,7 @@ use super::Sample;
 use crate::detect::Grain;
 use crate::problem::any::AnyFrozen;
 use crate::sample::deposit::{self, Disc};
-use crate::sample::placed::placed;
+use crate::sample::placed::{Placed, placed};
 use crate::sample::shapes;
 use crate::sample::sizes::{Radii, with_room};
 use crate::sample::strips::{Strips, no_place};
@@ -65,19 +65,43 @@ impl Sample {
                 };
                 self.lifted(&deposited)
             }
-            Self::DepositedSpheres { grains, seed, radius_m, ref sizes, .. } => {
+            Self::DepositedSpheres {
+                grains, seed, radius_m, ref sizes, width_m, depth_m, lift_m, ..
+            } => {
                 let behind = "`sample.kind` asks for walls behind and before: it needs `scene.box.depth_m`";
-                let size = [walls()?, depth.ok_or(behind)?];
+                let own = |key, size: Option<f64>| size.map(|size| (key, size));
+                let width = own("sample.width_m", width_m);
+                let width = width.map_or_else(|| Ok::<_, String>(("scene.box.width_m", walls()?)), Ok)?;
+                let of_box = || Ok::<_, String>(("scene.box.depth_m", depth.ok_or(behind)?));
+                let depth = own("sample.depth_m", depth_m).map_or_else(of_box, Ok)?;
                 let radii = Radii { sizes, range: radius_m, dimensions: 3 }.drawn(grains, seed)?;
-                let room = [("scene.box.width_m", size[0]), ("scene.box.depth_m", size[1])];
-                let radii = with_room(radii, radius_m[1], None, &room)?;
-                deposit::deposit_spheres(&radii, size, seed)
+                let radii = with_room(radii, radius_m[1], None, &[width, depth])?;
+                let mut spheres = deposit::deposit_spheres(&radii, [width.1, depth.1], seed);
+                for sphere in &mut spheres {
+                    sphere[1] += lift_m;
+                }
+                spheres
             }
-            Self::Placed { ref file, .. } => placed(&folder.join(file), false)?,
-            Self::PlacedSpheres { ref file, .. } => placed(&folder.join(file), true)?,
+            Self::Placed { ref file, .. } => return self.placed(&folder.join(file), false),
+            Self::PlacedSpheres { ref file, .. } => return self.placed(&folder.join(file), true),
             Self::Frozen { ref file } => return checked(frozen(&folder.join(file))?.grains()),
         };
         self.grains_at(&balls)
+    }
+
+    /// The grains of a CSV file.
+    fn placed<P: Place>(&self, file: &Path, in_space: bool) -> Result<Vec<Grain<P>>, String> {
+        let density = self.density().map_or(0.0, |(density, _)| density);
+        let placed = placed(file, in_space)?;
+        let balls: Vec<Ball> = placed.iter().map(|grain| grain.ball).collect();
+        let mut grains = self.grains_at(&balls)?;
+        for (grain, Placed { density: own, motion, .. }) in grains.iter_mut().zip(placed) {
+            grain.motion = motion;
+            if let Some(own) = own {
+                grain.mass *= own / density;
+            }
+        }
+        Ok(grains)
     }
 
     /// The strips that it is deposited in, if it is in some, for a box of `width` (m).
@@ -130,7 +154,7 @@ impl Sample {
         let grain = |&[x, y, z, radius]: &Ball| {
             let of_disc = density * std::f64::consts::PI * radius * radius;
             let mass = if P::LEN > 2 { of_disc * radius * 4.0 / 3.0 } else { of_disc };
-            Grain { radius, mass, position: P::of([x, y, z]) }
+            Grain { radius, mass, position: P::of([x, y, z]), motion: [0.0; 6] }
         };
         let mut grains: Vec<_> = balls.iter().map(grain).collect();
         if let (
@@ -156,7 +180,7 @@ fn checked<P: Place>(grains: Vec<Grain<P>>) -> Result<Vec<Grain<P>>, String> {
         is_positive(grain.mass) && is_positive(grain.radius) && grain.position.is_finite()
     };
     match grains.iter().find(|grain| !valid(grain)) {
-        Some(Grain { radius, mass, position }) => Err(format!(
+        Some(Grain { radius, mass, position, .. }) => Err(format!(
             "`sample` has a grain of radius {} m and mass {} kg at {} m: radius and mass must be positive, all finite",
             shown(*radius),
             shown(*mass),

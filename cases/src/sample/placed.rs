@@ -2,18 +2,43 @@
 
 use crate::detect::{OVERLAP, Side, detect};
 use crate::file::json::read_text;
-use contact::shown;
+use contact::{is_positive, shown};
 use nalgebra::Vector3;
 use std::path::Path;
 
 /// Advice on the form of a file.
 const ADVICE: &str = "commas are asked between values, and points in decimals, as in 0.25";
 
-/// [x, y, z, radius] of each grain (m); discs have z = 0.
+/// A grain of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Placed {
+    /// Centre [x, y, z] and radius (m); discs have z = 0.
+    pub(crate) ball: [f64; 4],
+    /// Mass per area (kg/m²) or per volume (kg/m³), if the file has it.
+    pub(crate) density: Option<f64>,
+    /// Velocity along x, y and z (m/s), and spin about them (rad/s).
+    pub(crate) motion: [f64; 6],
+}
+
+/// Names of the columns of densities, and of velocities and spins, of discs and of spheres; all may be left out.
+const DENSITY: [&str; 2] = ["density_kg_per_m2", "density_kg_per_m3"];
+const MOTION: [[Option<&str>; 6]; 2] = [
+    [Some("velocity_x_m_per_s"), Some("velocity_y_m_per_s"), None, None, None, Some("spin_rad_per_s")],
+    [
+        Some("velocity_x_m_per_s"),
+        Some("velocity_y_m_per_s"),
+        Some("velocity_z_m_per_s"),
+        Some("spin_x_rad_per_s"),
+        Some("spin_y_rad_per_s"),
+        Some("spin_z_rad_per_s"),
+    ],
+];
+
+/// Returns the grains of a file.
 ///
 /// # Errors
 /// Names the file, the line, the column and the value that has no meaning.
-pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, String> {
+pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<Placed>, String> {
     let wrong = |error: &dyn std::fmt::Display| format!("`sample.file`: {}: {error}", file.display());
     let text = read_text(file).map_err(|error| format!("`sample.file`: {error}"))?;
     let mut reader =
@@ -30,7 +55,8 @@ pub(crate) fn placed(file: &Path, in_space: bool) -> Result<Vec<[f64; 4]>, Strin
     if grains.is_empty() {
         return Err(wrong(&"it has no grain"));
     }
-    match overlapping(&grains) {
+    let balls: Vec<[f64; 4]> = grains.iter().map(|grain: &Placed| grain.ball).collect();
+    match overlapping(&balls) {
         Some([i, j]) => Err(wrong(&format!(
             "the grains of lines {} and {} overlap by more than {OVERLAP} of the smaller radius",
             lines[i], lines[j]
@@ -46,6 +72,8 @@ struct Columns<'f> {
     y: usize,
     z: Option<usize>,
     radius: usize,
+    density: Option<usize>,
+    motion: [Option<usize>; 6],
     in_space: bool,
 }
 
@@ -68,11 +96,15 @@ impl<'f> Columns<'f> {
         if in_space && z.is_none() {
             return Err("a sphere needs the column `z_m`".to_owned());
         }
-        Ok(Self { headers, x, y, z, radius, in_space })
+        let (density, mut motion) = (column(DENSITY[usize::from(in_space)])?, [None; 6]);
+        for (place, name) in motion.iter_mut().zip(MOTION[usize::from(in_space)]) {
+            *place = name.map_or(Ok(None), column)?;
+        }
+        Ok(Self { headers, x, y, z, radius, density, motion, in_space })
     }
 
-    /// [x, y, z, radius] of the grain in a row (m).
-    fn grain(&self, row: &csv::StringRecord) -> Result<[f64; 4], String> {
+    /// The grain in a row.
+    fn grain(&self, row: &csv::StringRecord) -> Result<Placed, String> {
         let (count, columns) = (row.len(), self.headers.len());
         if let Some(name) = self.headers.get(count) {
             return Err(format!(
@@ -98,8 +130,20 @@ impl<'f> Columns<'f> {
             _ => 0.0,
         };
         let grain = [value(self.x)?, value(self.y)?, z, value(self.radius)?];
+        let density = self.density.map(value).transpose()?;
+        let mut motion = [0.0; 6];
+        for (own, column) in motion.iter_mut().zip(self.motion) {
+            *own = column.map_or(Ok(0.0), value)?;
+        }
+        let named =
+            self.density.into_iter().zip(density).map(|(k, density)| (k, density, is_positive(density)));
+        let moving = self.motion.into_iter().zip(motion).filter_map(|(k, v)| Some((k?, v, v.is_finite())));
+        if let Some((k, value, _)) = named.chain(moving).find(|(.., valid)| !valid) {
+            let (name, value) = (&self.headers[k], shown(value));
+            return Err(format!(": `{name}` is {value}: finite numbers, and positive densities, are asked"));
+        }
         if grain.iter().all(|x| x.is_finite()) && grain[3] > 0.0 {
-            return Ok(grain);
+            return Ok(Placed { ball: grain, density, motion });
         }
         let found = grain.map(shown).join(", ");
         Err(format!(": [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"))

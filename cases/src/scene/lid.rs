@@ -24,7 +24,7 @@ impl Lid {
     pub(crate) fn body<P: Place>(&self, grains: &[Grain<P>], radius: f64, bumps: f64) -> Grain<P> {
         let tops = grains.iter().map(|grain| grain.position[1] + grain.radius);
         let surface = tops.fold(f64::NEG_INFINITY, f64::max) + bumps;
-        Grain { radius, mass: self.mass_kg, position: P::of([0.0, surface + radius, 0.0]) }
+        Grain { radius, mass: self.mass_kg, position: P::of([0.0, surface + radius, 0.0]), motion: [0.0; 6] }
     }
 
     /// Refuses values without meaning.

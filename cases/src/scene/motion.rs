@@ -1,31 +1,45 @@
 //! Motions that are a given function of time: a table of velocities, read as piecewise linear, and a vibration.
 
+use crate::scene::coordinates::Row;
 use contact::{Place, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A time (s) and the velocity then, as [t, `v_x`, `v_y`] (m/s).
-pub(crate) type Row = [f64; 3];
-
-/// Returns the displacement along x and y that a table gives from time 0 to a `time` (s), in metres: the integral of a velocity
+/// Returns the displacement that a table of velocities gives from time 0 to a `time` (s), in metres: the integral of a velocity
 /// that is linear from row to row, and constant before the first and after the last.
-pub(crate) fn displacement(table: &[Row], time: f64) -> [f64; 2] {
-    let (now, begin) = (integral(table, time), integral(table, 0.0));
-    [now[0] - begin[0], now[1] - begin[1]]
+pub(crate) fn displacement(table: &[Row], time: f64) -> [f64; 3] {
+    let row = |k: usize| {
+        let [t, x, y, z] = table[k].list();
+        (t, [x, y, z])
+    };
+    displacement_of(table.len(), row, time)
 }
 
-/// The integral from the first row to a `time` (s), or backwards to it (m).
-fn integral(table: &[Row], time: f64) -> [f64; 2] {
-    let (Some(first), Some(last)) = (table.first(), table.last()) else { return [0.0; 2] };
-    let mut sum = [0.0; 2];
-    for axis in 0..2 {
-        sum[axis] = (time - first[0]).min(0.0) * first[1 + axis] + (time - last[0]).max(0.0) * last[1 + axis];
+/// Returns the integral from time 0 to a `time` (s) of rates in a table of `rows`, each a time and the rates then.
+pub(crate) fn displacement_of<const N: usize>(
+    rows: usize,
+    row: impl Fn(usize) -> (f64, [f64; N]),
+    time: f64,
+) -> [f64; N] {
+    let (now, begin) = (integral(rows, &row, time), integral(rows, &row, 0.0));
+    std::array::from_fn(|axis| now[axis] - begin[axis])
+}
+
+/// The integral from the first row to a `time` (s), or backwards to it.
+fn integral<const N: usize>(rows: usize, row: &impl Fn(usize) -> (f64, [f64; N]), time: f64) -> [f64; N] {
+    let mut sum = [0.0; N];
+    if rows == 0 {
+        return sum;
     }
-    for rows in table.windows(2) {
-        let [[t, from @ ..], [t_next, to @ ..]] = [rows[0], rows[1]];
+    let (first, last) = (row(0), row(rows - 1));
+    for axis in 0..N {
+        sum[axis] = (time - first.0).min(0.0) * first.1[axis] + (time - last.0).max(0.0) * last.1[axis];
+    }
+    for k in 1..rows {
+        let ((t, from), (t_next, to)) = (row(k - 1), row(k));
         let passed = (time - t).clamp(0.0, t_next - t);
         let share = passed / (t_next - t);
-        for axis in 0..2 {
+        for axis in 0..N {
             sum[axis] += passed * (from[axis] + 0.5 * share * (to[axis] - from[axis]));
         }
     }
@@ -34,19 +48,26 @@ fn integral(table: &[Row], time: f64) -> [f64; 2] {
 
 /// The greatest speed of a table (m/s).
 pub(crate) fn greatest_speed(table: &[Row]) -> f64 {
-    table.iter().map(|[_, x, y]| x.hypot(*y)).fold(0.0, f64::max)
+    let speed = |row: &Row| {
+        let [_, x, y, z] = row.list();
+        x.hypot(y).hypot(z)
+    };
+    table.iter().map(speed).fold(0.0, f64::max)
 }
 
 /// Refuses a table without meaning, by its `key`.
-pub(crate) fn check(table: &[Row], key: &str) -> Result<(), String> {
-    for (k, row) in table.iter().enumerate() {
-        let row_shown = row.map(shown).join(", ");
-        if k > 0 && row[0] <= table[k - 1][0] {
+pub(crate) fn check<'t>(table: impl IntoIterator<Item = &'t [f64]>, key: &str) -> Result<(), String> {
+    let mut before: Option<f64> = None;
+    for (k, row) in table.into_iter().enumerate() {
+        if let Some(before) = before.filter(|before| row[0] <= *before) {
+            let row: Vec<String> = row.iter().map(|value| shown(*value)).collect();
             return Err(format!(
-                "`{key}[{k}]` is [{row_shown}]: its time must be later than that of the row before, {}",
-                shown(table[k - 1][0])
+                "`{key}[{k}]` is [{}]: its time must be later than that of the row before, {}",
+                row.join(", "),
+                shown(before)
             ));
         }
+        before = Some(row[0]);
     }
     Ok(())
 }

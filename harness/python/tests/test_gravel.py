@@ -197,7 +197,7 @@ def changed(table, key, value):
         (lambda: gravel.solve(column(), "latin-dd", kappa_l=float("inf")), "`kappa_l` is inf: it must be finite"),
         (lambda: gravel.solve(column(), "nsgs", relaxation=1j), "`relaxation` is 1j"),
         (lambda: gravel.solve(column(), tolerance=float("nan")), "`tolerance` is nan"),
-        (lambda: gravel.solve(column(), max_iterations=1.5), "`stop.max_iterations`: invalid type: floating point `1.5`"),
+        (lambda: gravel.solve(column(), max_iterations=1.5), "`max_iterations`: invalid type: floating point `1.5`"),
         (lambda: gravel.load("settled-box", scene={"scene.friction": np.nan}), "`scene.friction` is nan"),
         (lambda: gravel.solve(changed("grains", "mass", np.array([2.0, 2, -1, 2, 2]))), "`grains.mass[2]` is -1"),
         (lambda: gravel.solve(changed("contacts", "gap", np.zeros(4))), "`contacts.gap`"),
@@ -277,3 +277,136 @@ def test_notebook_runs():
     nbclient.NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(path.parent)}}).execute()
     shown = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     assert any("image/png" in output.get("data", {}) for output in shown)
+
+
+BOX = CHECKOUT / "cases" / "rough-box.toml"
+SMALL = {"sample.grains": 30, "scene.box.width_m": 1.0}
+
+
+def simulated(time_steps, **more):
+    return gravel.simulate(BOX, time_steps, method="nsgs", scene=SMALL, tolerance=1e-3, **more)
+
+
+def test_simulation_has_series_frames_and_contacts_that_carry_the_weight():
+    simulation = simulated(60, every=25, contacts=True)
+    assert simulation.status == "completed" and simulation.is_met is None
+    assert [frame.time_step for frame in simulation.frames] == [0, 25, 50, 60]
+    np.testing.assert_array_equal(simulation.series["time_step"], np.arange(1, 61))
+    np.testing.assert_allclose(simulation.series["time_s"], 0.005 * np.arange(1, 61))
+    assert simulation.told["totals"]["iterations"] == simulation.series["iterations"].sum() > 0
+    first, *_, last = simulation.frames
+    assert first.contacts is None and last.positions.shape == last.velocities.shape == (30, 2) and last.spins.shape == (30,)
+    contacts = last.contacts
+    assert set(contacts["body"]) <= {"grain", "floor", "left", "right"} and len(contacts["gap_m"]) > 30
+    # M (V - V before) = h M g + the contacts' impulses: over all grains only walls push.
+    at_walls = contacts["body"] != "grain"
+    assert np.all(contacts["antagonist"][at_walls] == -1)
+    floor = contacts["normal_impulse_n_s"][contacts["body"] == "floor"].sum()
+    np.testing.assert_allclose(floor, simulation.series["floor_impulse_n_s"][-1])
+    both = np.hypot(contacts["normal_impulse_n_s"], contacts["tangential_impulse_n_s"])
+    np.testing.assert_allclose(both, np.hypot(contacts["impulse_x_n_s"], contacts["impulse_y_n_s"]), atol=1e-12)
+    assert "<table>" in simulation._repr_html_() and "completed" in repr(simulation)
+
+
+def test_simulation_resumes_bitwise_and_frames_do_not_change_it(tmp_path):
+    whole = simulated(40, every=7)
+    simulated(17, state=tmp_path / "state.json")
+    rest = simulated(23, restart=tmp_path / "state.json")
+    np.testing.assert_array_equal(whole.frames[-1].positions, rest.frames[-1].positions)
+    np.testing.assert_array_equal(whole.series["kinetic_energy_j"][17:], rest.series["kinetic_energy_j"])
+    assert rest.frames[-1].time_step == 40
+
+
+def test_progress_sees_each_frame_and_a_condition_ends():
+    seen = []
+    discs = CHECKOUT / "cases" / "two-discs.toml"
+    simulation = gravel.simulate(discs, 2000, tolerance=1e-9, until="at-rest", every=10, progress=seen.append)
+    assert simulation.is_met and simulation.frames[-1].time_step < 2000
+    assert [frame.time_step for frame in seen] == [frame.time_step for frame in simulation.frames[1:]]
+
+
+def test_frozen_problem_is_that_of_the_case(tmp_path):
+    frozen = gravel.freeze(BOX, tmp_path / "mine.json", time_step=3, scene=SMALL)
+    loaded = gravel.load(BOX, time_step=3, scene=SMALL)
+    assert frozen["name"] == "mine"
+    np.testing.assert_array_equal(frozen["contacts"]["normal"], loaded["contacts"]["normal"])
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: simulated(0), "`time_steps` is 0"),
+        (lambda: simulated(3, every=-1), "`every` is -1"),
+        (lambda: simulated(3, until="asleep"), "`until`: unknown variant `asleep`"),
+        (lambda: simulated(3, until="steady", over=-1), "--over -1"),
+        (lambda: simulated(3, start="hot"), "`start`"),
+        (lambda: simulated(3, restart="nowhere.json"), "nowhere.json"),
+        (lambda: simulated(3, omega=1.2), "unknown field `omega`"),
+        (lambda: simulated(3, state=BOX), "rough-box.toml exists"),
+        (lambda: gravel.simulate("no-such-case", 3), "no-such-case"),
+        (lambda: gravel.simulate(BOX, 3, scene={"sample.grain": 3}), "sample.grain"),
+        (lambda: gravel.freeze(BOX, BOX), "exists: give another file"),
+        (lambda: gravel.bench("no-such-plan"), "no-such-plan"),
+    ],
+)
+def test_errors_of_simulations_name_what_is_wrong(call, words):
+    with pytest.raises(ValueError) as error:
+        call()
+    assert words in str(error.value)
+
+
+def test_ctrl_c_ends_a_simulation_and_keeps_its_state(tmp_path):
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        simulated(10**9, state=tmp_path / "state.json")
+    assert simulated(1, restart=tmp_path / "state.json").frames[0].time_step > 0
+
+
+def test_settings_of_tables_are_columns(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    settings = ['{"relaxation": 1.2, "order": "given"}', '{"preconditioner": "none"}']
+    pandas.DataFrame({"run": [0, 1], "settings": settings}).to_parquet(tmp_path / "runs.parquet")
+    runs = gravel.load(tmp_path)["runs"]
+    assert list(runs.columns) == ["run", "settings.relaxation", "settings.order", "settings.preconditioner"]
+    assert runs["settings.relaxation"][0] == 1.2 and pandas.isna(runs["settings.relaxation"][1])
+
+
+def test_study_is_run_and_its_tables_are_read(tmp_path, monkeypatch):
+    pytest.importorskip("pandas")
+    for folder in ("cases/frozen", "harness/plans"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "cases" / "column.toml").write_text((CHECKOUT / "cases" / "column.toml").read_text())
+    plan = 'name = "mine"\nwhy = "A test."\ncharts = []\ncases = [{ case = "column" }]\n'
+    plan += 'stop = { on = "natural_map", tolerance = 1e-6, max_iterations = 10000 }\nmethods = [{ method = "nsgs" }, { method = "cg" }]\n'
+    (tmp_path / "harness" / "plans" / "mine.toml").write_text(plan)
+    monkeypatch.chdir(tmp_path)
+    tables = gravel.bench("mine", only={"method": "cg"})
+    assert list(tables["runs"]["method"]) == ["cg"] and tables["runs"]["settings.preconditioner"][0] == "none"
+
+
+def test_figures_draw_grains_chains_and_curves():
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    problem = gravel.load(FROZEN / "settled-60.json")
+    solutions = [gravel.solve(problem, method) for method in ("nsgs", "cg")]
+    axes = gravel.plot.packing(problem, solutions[0], colour=problem["grains"]["radius"])
+    chains = axes.collections[1].get_segments()
+    assert 0 < len(chains) <= len(problem["contacts"]["gap"])
+    axes.figure.canvas.draw()
+    frame = simulated(5, contacts=True).frames[-1]
+    assert len(gravel.plot.packing(frame).collections) == 3  # grains, chains, walls
+    axes = gravel.plot.convergence(solutions)
+    assert [line.get_ydata()[-1] for line in axes.lines] == [one.curve["natural_map"][-1] for one in solutions]
+    axes.figure.canvas.draw()
+    with pytest.raises(ValueError, match="no column of a curve"):
+        gravel.plot.convergence(solutions, measure="error")
+    with pytest.raises(ValueError, match="impulses: the problem has"):
+        gravel.plot.packing(problem, np.zeros(3))
+
+
+def test_package_tells_its_version_and_types():
+    assert gravel.__version__ == "0.2.0"
+    assert (Path(gravel.__file__).parent / "py.typed").is_file()
+    assert "<table>" in gravel.solve(column(), "cg")._repr_html_()

@@ -18,7 +18,7 @@ use std::process::ExitCode;
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
-    study: StudyArgs,
+    pub(crate) study: StudyArgs,
     /// Do N different runs at a time: the counts are the same, but seconds are then not taken alone
     #[arg(long, value_name = "N", default_value = "1", value_parser = few)]
     pub(crate) jobs: NonZeroUsize,

@@ -64,10 +64,11 @@ fn value(schema: &Value) -> String {
     }
     if items.is_object() {
         let one = if items["items"].is_object() {
-            match items["minItems"].as_u64() {
-                Some(2) => "pairs of numbers".to_owned(),
-                Some(n) => format!("{n} numbers each"),
-                None => "lists".to_owned(),
+            match ["minItems", "maxItems"].map(|key| items[key].as_u64()) {
+                [Some(2), Some(2)] => "pairs of numbers".to_owned(),
+                [Some(n), Some(most)] if n < most => format!("{n} or {most} numbers each"),
+                [Some(n), _] => format!("{n} numbers each"),
+                [None, _] => "lists".to_owned(),
             }
         } else {
             // One of two types may be none.

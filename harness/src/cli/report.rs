@@ -5,12 +5,16 @@ use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, chart, key_value};
 use crate::root::Root;
 use crate::store::{about, draw, runs_folder, tables_of};
-use crate::terminal::{prepare_place, read_text, say, write_whole};
+use crate::terminal::{prepare_place, read_text, say, suggest, write_whole};
 use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Pick, TableFormat, Wanted};
+use results::journal::Record;
+use results::simulation::Simulated;
 use results::store::tables_folder;
-use results::study::Study as Rows;
+use results::study::{Runs, Study as Rows};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use wildmatch::WildMatch;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -36,6 +40,10 @@ pub(crate) struct FigureArgs {
     chart: Chart,
     #[command(flatten)]
     study: PlanArgs,
+    /// Only the runs with this problem, method or variant, such as method=latin-dd or problem=shear*; of simulations `scene` in place of
+    /// `problem`; may be repeated: a run must match all
+    #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
+    only: Vec<(String, String)>,
     #[command(flatten)]
     formats: FormatArgs,
 }
@@ -112,9 +120,46 @@ pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
     plan.suits(args.chart)?;
     let stored = stored(root, &plan)?;
     let name = format!("{}-{}", plan.name, args.chart.name);
+    let mut rows = tables_of(&stored)?;
+    for (key, pattern) in &args.only {
+        keep(&mut rows, key, pattern)?;
+    }
     draw(root, &name, &stored, args.formats.formats(), |formats, out| {
-        Ok(reports::figure(&tables_of(&stored)?, args.chart, formats, out)?)
+        Ok(reports::figure(&rows, args.chart, formats, out)?)
     })
+}
+
+/// Keeps the runs or simulations of a study whose `key` matches `pattern`, in which `*` stands for any text.
+fn keep(rows: &mut Rows, key: &str, pattern: &str) -> Result<()> {
+    let keys = ["problem", "method", "variant"];
+    let keys = if matches!(rows, Rows::Runs(_)) {
+        keys
+    } else {
+        keys.map(|key| if key == "problem" { "scene" } else { key })
+    };
+    let Some(place) = keys.iter().position(|known| *known == key) else {
+        bail!("--only {key}={pattern}: the key is one of {}{}", keys.join(", "), suggest::of(key, keys));
+    };
+    let (wanted, mut known, mut left) = (WildMatch::new(pattern), BTreeSet::new(), 0);
+    let mut is_wanted = |of: [&str; 3]| {
+        known.insert(of[place].to_owned());
+        let is_wanted = wanted.matches(of[place]);
+        left += usize::from(is_wanted);
+        is_wanted
+    };
+    match rows {
+        Rows::Runs(Runs { records, .. }) => {
+            records.retain(|Record { run, .. }| is_wanted([&run.problem, &run.method, &run.variant]));
+        }
+        Rows::Simulations(all) => all.retain(|Simulated { simulation, .. }| {
+            is_wanted([&simulation.scene, &simulation.method, &simulation.variant])
+        }),
+    }
+    if left == 0 {
+        let what = format!("--only {key}={pattern}: there is none");
+        bail!("{}", suggest::among(&what, pattern, known.iter().map(String::as_str)));
+    }
+    Ok(())
 }
 
 /// One table, in part.

@@ -1,20 +1,19 @@
 //! `gravel simulate`: a case through time, with what the scene shows of itself.
 
+mod kept;
+
 use crate::cli::args::{CaseArgs, SolverArgs};
+use crate::cli::simulate::kept::Kept;
 use crate::plan::{Method, Rule};
 use crate::problems::{Once, read_case, warn};
 use crate::root::Root;
-use crate::run::{End, Frames, Seen, missed, observed, through_time};
-use crate::terminal::{check_apart, exit, merged, prepare_place, progress, say, write_sealed};
+use crate::run::{End, Seen, Until, Watch, missed, through_time};
+use crate::terminal::{check_apart, exit, merged, prepare_place, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case, Start};
-use indicatif::ProgressBar;
 use lineup::march;
-use results::columns::cells;
-use results::simulation::{Observed, Totals};
+use results::simulation::Totals;
 use serde_json::json;
-use std::fs::File;
-use std::io::Write;
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -23,9 +22,21 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     /// A case: its name, or the path of its file
     case: String,
-    /// Number of time steps to march
+    /// Number of time steps to march; with `--restart` that of further ones
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     time_steps: u64,
+    /// Resume from the state in FILE, which `--state` wrote: bitwise as if the simulation had not stopped
+    #[arg(long, value_name = "FILE")]
+    restart: Option<PathBuf>,
+    /// Write the last state to FILE, also if the simulation is stopped; with `--every` that of every K-th time step before as well
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// End before the last time step, once the packing is at rest or its flow is steady
+    #[arg(long, value_name = "CONDITION")]
+    until: Option<Until>,
+    /// The time over which the condition looks (s) [default: √(d/g) at rest, 10 √(d/g) for each mean of a steady flow]
+    #[arg(long, value_name = "SECONDS", requires = "until", allow_negative_numbers = true)]
+    over: Option<f64>,
     /// Write the observables of every time step to FILE, as CSV, each row as soon as its time step has ended
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -33,9 +44,12 @@ pub(crate) struct Args {
     /// .pvd
     #[arg(long, value_name = "FOLDER")]
     vtk: Option<PathBuf>,
-    /// A frame for every K-th time step
-    #[arg(long, value_name = "K", default_value = "1", requires = "vtk")]
-    every: NonZeroU64,
+    /// Write the contacts with their impulses to FILE, a table whose name ends in .parquet or .csv
+    #[arg(long, value_name = "FILE")]
+    contacts: Option<PathBuf>,
+    /// A frame, contacts and a state for every K-th time step [default: 1 of frames and contacts]
+    #[arg(long, value_name = "K")]
+    every: Option<NonZeroU64>,
     /// Start each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
     cold: bool,
@@ -56,21 +70,28 @@ const HEADING: &str =
     " time step   time (s)  contacts  iterations  kinetic e. (J)    mean h. (m)  overlap (m)  floor (N·s)";
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    if let Some(file) = &args.output {
+    let files = [("--output", &args.output), ("--state", &args.state), ("--contacts", &args.contacts)];
+    for file in files.iter().filter_map(|(_, file)| file.as_ref()) {
         if file.exists() {
             bail!("{} exists: give another file", file.display());
         }
         prepare_place(file)?;
     }
-    let outputs = [("--output", &args.output), ("--vtk", &args.vtk)];
-    check_apart(
-        &outputs.iter().filter_map(|(name, path)| Some((*name, path.as_deref()?))).collect::<Vec<_>>(),
-    )?;
+    if let (Some(every), None, None, None) = (args.every, &args.vtk, &args.contacts, &args.state) {
+        bail!("--every {every}: it asks for --vtk, --contacts or --state");
+    }
+    let outputs = files.into_iter().chain([("--vtk", &args.vtk)]);
+    check_apart(&outputs.filter_map(|(name, path)| Some((name, path.as_deref()?))).collect::<Vec<_>>())?;
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
     let (method, stop) = args.solver.through(&case)?;
     let mut march = march(&case)?;
     march.check(method.ours()?)?;
     warn(&case.name, march.warnings());
+    if let Some(file) = &args.restart {
+        march.resume(&case, file)?;
+    }
+    let scale = (case.scene.gravity_m_per_s2, march.mean_diameter(), case.scene.time_step_s);
+    let watch = args.until.map(|until| Watch::new(until, args.over, scale)).transpose()?;
     let mut once = Once::default();
     let warm_start = match (args.cold, args.extrapolate) {
         (true, _) => Start::Nothing,
@@ -78,27 +99,27 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         _ => Start::Previous,
     };
     let rule = Rule { stop, warm_start };
-    let mut kept = Kept::new(args, &case, &method)?;
-    if let Some(frames) = &mut kept.frames {
-        frames.begin(&*march)?;
-    }
+    let mut kept = Kept::new(args, &case, &method, watch)?;
+    kept.begin(&*march)?;
     if !args.json {
         say(format_args!("{HEADING}"))?;
     }
     let see = &mut |seen: &Seen| {
         once.warn(&case.name, seen.march, &kept.bar);
-        kept.see(args, seen)
+        kept.see(seen)
     };
     let ended = through_time(&mut *march, method.ours()?, &rule, args.time_steps, &exit::requested, see);
     let _whole = exit::whole();
     kept.bar.finish_and_clear();
     let (totals, end) = ended?;
+    kept.end(&*march, &end)?;
     let last_state = match &end {
         End::Refused(why) => bail!("method `{}`, {why}", method.name),
         End::Exploded { last, .. } => Some(last_state(last, args)),
         End::Completed | End::Interrupted(_) => None,
     };
     let missed = missed(&totals, &stop);
+    let is_met = kept.is_met();
     if args.json {
         let reason = if matches!(end, End::Completed) { missed.as_deref() } else { Some(end.reason()) };
         let last_state = last_state.and_then(|state| state.inspect_err(|error| eprintln!("{error:#}")).ok());
@@ -112,75 +133,21 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
             "max_iterations": stop.max_iterations,
             "time_step_s": case.scene.time_step_s,
             "time_steps_asked": args.time_steps,
+            "until": args.until,
+            "is_met": is_met,
             "status": end.status(),
             "reason": reason.unwrap_or_default(),
             "last_state": last_state,
-            "last_time_step": kept.reached,
+            "last_time_step": kept.reached(),
         });
         say(format_args!("{}", merged(object, serde_json::to_value(totals)?)))?;
     } else {
-        kept.say(args)?;
+        kept.say()?;
         let missed = missed.map(|text| text + advice(&case, &method));
         say_ending(&case.name, args, &totals, missed, &end, last_state)?;
     }
-    Ok(exit::code(end.worst(&totals)))
-}
-
-/// Output of a simulation under way: a program that is killed leaves the time steps that had ended.
-struct Kept {
-    rows: Option<File>,
-    frames: Option<Frames>,
-    bar: ProgressBar,
-    /// Observables of the last time step.
-    reached: Option<Observed>,
-}
-
-impl Kept {
-    fn new(args: &Args, case: &Case, method: &Method) -> Result<Self> {
-        let frames = |folder: &PathBuf| Frames::new(folder, &case.name, method.partition());
-        let frames = args.vtk.as_ref().map(frames).transpose()?;
-        let begin = |path: &PathBuf| -> Result<File> {
-            let file = File::create_new(path);
-            let names: Vec<String> =
-                row(&Observed::default(), "", 0.0)?.into_iter().map(|(name, _)| name).collect();
-            file.and_then(|mut file| writeln!(file, "{}", names.join(",")).map(|()| file))
-                .with_context(|| path.display().to_string())
-        };
-        let rows = args.output.as_ref().map(begin).transpose()?;
-        Ok(Self { rows, frames, bar: progress::bar(args.time_steps, "time steps"), reached: None })
-    }
-
-    fn see(&mut self, args: &Args, seen: &Seen) -> Result<()> {
-        let _whole = exit::whole();
-        let (k, observed) = (seen.totals.time_steps, observed(seen));
-        if let (Some(file), Some(path)) = (&mut self.rows, &args.output) {
-            // Its own iterations, not those so far.
-            let own = Observed { iterations: seen.outcome.iterations, ..observed };
-            let row = row(&own, seen.outcome.status.name(), seen.march.mean_diameter())?;
-            let values: Vec<String> = row.into_iter().map(|(_, value)| value).collect();
-            // At once, so that no half row is left.
-            let line = values.join(",") + "\n";
-            file.write_all(line.as_bytes()).with_context(|| path.display().to_string())?;
-        }
-        if let Some(frames) = self.frames.as_mut().filter(|_| k.is_multiple_of(args.every.get())) {
-            frames.add(observed.time_s, seen.march, Some((seen.problem, &seen.outcome.impulses)))?;
-        }
-        // Ten lines on the terminal, whatever the length.
-        let shown_every = (args.time_steps / 10).max(1);
-        if !args.json && (k.is_multiple_of(shown_every) || k == args.time_steps) {
-            self.bar.suspend(|| say_time_step(seen, &observed))?;
-        }
-        self.reached = Some(observed);
-        self.bar.inc(1);
-        Ok(())
-    }
-
-    fn say(&self, args: &Args) -> Result<()> {
-        if let Some(file) = &args.output {
-            say(format_args!("{}", file.display()))?;
-        }
-        self.frames.as_ref().map_or(Ok(()), Frames::say)
-    }
+    let is_unmet = is_met == Some(false) && matches!(end, End::Completed);
+    Ok(exit::code(if is_unmet { exit::UNMET } else { end.worst(&totals) }))
 }
 
 /// Writes the problem of the last good state beside what else is written.
@@ -230,27 +197,4 @@ fn say_ending(
     };
     eprintln!("error: {case}: {}; {kept}", end.reason());
     Ok(())
-}
-
-fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
-    let Observed { time_step, time_s, contacts, kinetic_energy_j, mean_height_m, .. } = row;
-    let solved = format!("{time_step:>10}  {time_s:>9.4}  {contacts:>8}  {:>10}", seen.outcome.iterations);
-    let shown =
-        format!("{kinetic_energy_j:>14.4e}  {mean_height_m:>13.6}  {:>11.3e}", row.greatest_overlap_m);
-    say(format_args!("{solved}  {shown}  {:>11.4e}", row.floor_impulse_n_s))
-}
-
-/// A row of the file, each value with its column: what is observed, the status of the solve, and the greatest overlap over the mean
-/// diameter of grains (m).
-fn row(observed: &Observed, status: &str, mean_diameter: f64) -> Result<Vec<(String, String)>> {
-    let mut row = cells(observed)?;
-    let in_diameters = (observed.greatest_overlap_m / mean_diameter).to_string();
-    for (after, name, value) in [
-        ("contacts", "status", status.to_owned()),
-        ("greatest_overlap_m", "greatest_overlap_mean_diameters", in_diameters),
-    ] {
-        let place = row.iter().position(|(column, _)| column == after).map_or(row.len(), |place| place + 1);
-        row.insert(place, (name.to_owned(), value));
-    }
-    Ok(row)
 }

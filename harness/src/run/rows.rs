@@ -3,11 +3,13 @@
 use crate::plan::{Plan, Variant};
 use crate::problems::{Known, Problem};
 use crate::root::Root;
-use crate::run::{Task, first_at};
+use crate::run::{Seen, Task, first_at};
 use anyhow::Result;
+use cases::Side;
 use contact::{Measure, Work};
 use lineup::{OneProblem, Posed, Settings, Touching};
 use partition::{Grid, Partition, Scheme};
+use results::contacts::{Body, ContactForce, ContactStatus};
 use results::name::StopOn;
 use results::schema::{ContactRow, End, Ending, GrainRow, Provenance, Run, Sample};
 use runner::{Outcome, Status};
@@ -210,4 +212,50 @@ pub(super) fn subdomain_of_grains(
         subdomains.iter().copied().max_by_key(|e| (count(*e), std::cmp::Reverse(*e)))
     };
     around.iter().map(most).collect()
+}
+
+/// Returns the contacts of a time step of a simulation.
+pub(crate) fn contact_forces(seen: &Seen) -> Vec<ContactForce> {
+    let (problem, r) = (seen.problem, &seen.outcome.impulses[..]);
+    let (places, radii, of_contact) = (problem.places(), problem.radii(), problem.facts().of_contact);
+    let (tangential, statuses) = (problem.tangential(r), problem.statuses(r));
+    let row = |(k, ((contact, side), impulse)): (usize, ((Touching, &Side), [f64; 3]))| {
+        let Touching { candidate, antagonist, normal, gap, friction } = contact;
+        let (place, radius) = (places[candidate as usize], radii[candidate as usize]);
+        let [x_m, y_m, z_m] = [0, 1, 2].map(|axis| place[axis] - radius * normal[axis]);
+        let [normal_x, normal_y, normal_z] = normal;
+        let [impulse_x_n_s, impulse_y_n_s, impulse_z_n_s] = impulse;
+        let (body, segment) = Body::of(*side);
+        let normal_impulse_n_s = r[of_contact * k];
+        let status = match statuses.as_ref().map(|statuses| statuses[k]) {
+            None if normal_impulse_n_s > 0.0 => ContactStatus::Closed,
+            None | Some(0) => ContactStatus::Open,
+            Some(1) => ContactStatus::Sticks,
+            Some(_) => ContactStatus::Slides,
+        };
+        ContactForce {
+            time_step: seen.march.time_steps(),
+            time_s: seen.march.time(),
+            candidate,
+            antagonist,
+            body,
+            segment,
+            x_m,
+            y_m,
+            z_m,
+            normal_x,
+            normal_y,
+            normal_z,
+            gap_m: gap,
+            friction,
+            normal_impulse_n_s,
+            tangential_impulse_n_s: tangential.as_ref().map_or(0.0, |along| along[k]),
+            impulse_x_n_s,
+            impulse_y_n_s,
+            impulse_z_n_s,
+            status,
+        }
+    };
+    let contacts = problem.touching().into_iter().zip(seen.sides).zip(problem.on_candidates(r));
+    contacts.enumerate().map(row).collect()
 }

@@ -5,7 +5,7 @@ use crate::problems::Scene;
 use crate::run::{Conditions, Task};
 use crate::terminal::write_sealed;
 use anyhow::Result;
-use cases::{AnyFrozen, CaseError, Observables, Start};
+use cases::{AnyFrozen, CaseError, Observables, Side, Start};
 use lineup::{Attempt, OneMarch, OneProblem, Ours, march};
 use results::name::{Name, StopOn};
 use results::schema::{Provenance, Timing};
@@ -13,6 +13,7 @@ use results::settings::CASE;
 use results::simulation::{Observed, Role, Simulated, Simulation, SimulationEnding, Totals};
 use results::store::LAST_STATES;
 use runner::{Outcome, Status, Stop};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -58,7 +59,7 @@ pub(crate) fn run_simulation(
     let (totals, end) = through_time(&mut *march, ours, rule, *time_steps, halt, &mut |seen: &Seen| {
         series.see(seen);
         line.show_time_step(seen.totals.time_steps, *time_steps);
-        Ok(())
+        Ok(ControlFlow::Continue(()))
     })?;
     let Some(status) = end.ending() else { return Ok(None) };
     let last_state = match (&end, how.folder) {
@@ -147,7 +148,7 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
     let o = seen.observables;
     let [floor_impulse_n_s, left_impulse_n_s, right_impulse_n_s, ..] = o.wall_impulses;
     Observed {
-        time_step: seen.totals.time_steps,
+        time_step: seen.march.time_steps(),
         time_s: o.time,
         contacts: o.contacts as u32,
         iterations: seen.totals.iterations,
@@ -156,7 +157,7 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         greatest_overlap_m: o.greatest_overlap,
         mean_overlap_m: o.mean_overlap,
         greatest_speed_m_per_s: o.greatest_speed,
-        greatest_displacement_m: displacement(seen),
+        greatest_displacement_m: o.greatest_displacement,
         floor_impulse_n_s,
         left_impulse_n_s,
         right_impulse_n_s,
@@ -164,15 +165,6 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         stress: o.stress,
         bulk: o.bulk,
     }
-}
-
-/// Returns the greatest distance of a grain from its origin, or of its periodic image if that is nearer (m).
-fn displacement(seen: &Seen) -> f64 {
-    let of = |(k, from): (usize, &[f64; 3])| {
-        let to = seen.march.beside(*from, k as u32).unwrap_or(*from);
-        from.iter().zip(to).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
-    };
-    seen.origin.iter().enumerate().map(of).fold(0.0, f64::max)
 }
 
 /// The later row, of one time step, with the impulses and the energies of both and their extremes, and the mean of the stresses of so
@@ -197,11 +189,11 @@ fn joined(earlier: &Observed, later: Observed, time_steps: u64) -> Observed {
 pub(crate) struct Seen<'a> {
     pub(crate) march: &'a dyn OneMarch,
     pub(crate) problem: &'a dyn OneProblem,
+    /// The antagonist of each contact.
+    pub(crate) sides: &'a [Side],
     pub(crate) outcome: &'a Outcome,
     pub(crate) observables: &'a Observables,
     pub(crate) totals: &'a Totals,
-    /// Places of the grains before the first time step (m).
-    pub(crate) origin: &'a [[f64; 3]],
 }
 
 /// End of a simulation.
@@ -220,24 +212,23 @@ pub(crate) enum End {
     Interrupted(String),
 }
 
-/// Makes `time_steps` time steps; `see` sees each. `halt` may ask for an end after any iteration.
+/// Makes `time_steps` time steps; `see` sees each, and may complete the simulation there. `halt` may ask for an end after any iteration.
 pub(crate) fn through_time(
     march: &mut dyn OneMarch,
     ours: &Ours,
     rule: &Rule,
     time_steps: u64,
     halt: &dyn Fn() -> bool,
-    see: &mut dyn FnMut(&Seen) -> Result<()>,
+    see: &mut dyn FnMut(&Seen) -> Result<ControlFlow<()>>,
 ) -> Result<(Totals, End)> {
     let mut totals = Totals::default();
     let mut failed = false;
-    let grains = march.grain_count();
-    let origin: Vec<[f64; 3]> = march.bodies().iter().take(grains).map(|body| body.place).collect();
-    for k in 1..=time_steps {
+    let before = march.time_steps();
+    for k in before + 1..=before.saturating_add(time_steps) {
         if halt() {
             return Ok((totals, End::Interrupted(format!("stopped before time step {k}"))));
         }
-        let Attempt { frozen, solved } = march.solve(ours, &rule.stop, rule.warm_start, halt)?;
+        let Attempt { frozen, sides, solved } = march.solve(ours, &rule.stop, rule.warm_start, halt)?;
         let (outcome, observables) = match solved {
             Ok(solved) => solved,
             Err(error) => return Ok((totals, ended(error, k, frozen)?)),
@@ -247,7 +238,10 @@ pub(crate) fn through_time(
         totals.restarted_time_steps += u64::from(failed && rule.warm_start.is_warm());
         failed = matches!(outcome.status, Status::Diverged | Status::Infeasible);
         let (problem, outcome, observables) = (&*lineup::problem(frozen), &outcome, &observables);
-        see(&Seen { march, problem, outcome, observables, totals: &totals, origin: &origin })?;
+        let seen = Seen { march, problem, sides: &sides, outcome, observables, totals: &totals };
+        if see(&seen)?.is_break() {
+            break;
+        }
     }
     Ok((totals, End::Completed))
 }

@@ -47,13 +47,9 @@ impl Frames {
         Ok(Self { folder: folder.to_owned(), name, path, collection, written: 0, partition })
     }
 
-    /// Adds the initial state, which no contact has changed yet.
-    pub(crate) fn begin(&mut self, march: &dyn OneMarch) -> Result<()> {
-        self.add(0.0, march, None)
-    }
-
-    /// Adds the state at a time (s): that after a time step, with the impulses (N·s) that it took.
-    pub(crate) fn add(&mut self, time: f64, march: &dyn OneMarch, solved: Solved) -> Result<()> {
+    /// Adds the state of a march: after a time step, with the problem and the impulses (N·s) that it took.
+    pub(crate) fn add(&mut self, march: &dyn OneMarch, solved: Solved) -> Result<()> {
+        let time = march.time();
         let split = solved
             .zip(self.partition)
             .and_then(|((problem, _), (grid, scheme))| problem.cut(grid, scheme).ok());

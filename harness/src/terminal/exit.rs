@@ -15,6 +15,8 @@ use std::time::Duration;
 const DONE: u8 = 0;
 /// The method did not solve the problem, the impulses are not certified, or the simulation exploded or missed its tolerance.
 const NOT_CONVERGED: u8 = 3;
+/// The name of a condition that the last time step did not meet, for the code of a simulation.
+pub(crate) const UNMET: &str = "unmet";
 /// It is proved that the problem has no solution.
 const NO_SOLUTION: u8 = 4;
 /// Exit code that shells give to a program ended by Ctrl-C.
@@ -29,8 +31,8 @@ Exit codes:
        refused; collection check: a fault was found
     2  wrong arguments
     3  solve: not converged (iteration-limit, stalled, diverged, false-convergence); which: no method
-       converges; certify: not certified; simulate: exploded, solver-diverged, or a time step did
-       not converge
+       converges; certify: not certified; simulate: exploded, solver-diverged, a time step did
+       not converge, or the condition of --until was not met
     4  solve, which, certify: it is proved that the problem has no solution; simulate: so for a time step
   130  stopped by Ctrl-C or SIGTERM; what was reached is kept, but no run inside an iteration
        of more than a second
@@ -64,6 +66,11 @@ pub(crate) fn listen_for_interrupts(kept: &'static str) -> Result<()> {
         thread::spawn(move || end_after_grace(kept));
     };
     ctrlc::set_handler(handler).context("Ctrl-C cannot be caught")
+}
+
+/// Requests an end after the current iteration, or takes the request back.
+pub(crate) fn request(is_requested: bool) {
+    REQUESTED.store(is_requested, Ordering::Relaxed);
 }
 
 /// Reports whether the user requested an end.

@@ -20,12 +20,7 @@ pub(crate) struct Ran {
 
 /// Runs `gravel` in the checkout.
 pub(crate) fn gravel(args: &[&str]) -> Ran {
-    let output = command(args).output().unwrap();
-    Ran {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    Ran::of(&mut command(args))
 }
 
 pub(crate) fn command(args: &[&str]) -> Command {
@@ -37,6 +32,15 @@ pub(crate) fn command(args: &[&str]) -> Command {
 }
 
 impl Ran {
+    pub(crate) fn of(command: &mut Command) -> Self {
+        let output = command.output().unwrap();
+        Self {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
     /// The run ended well.
     #[track_caller]
     pub(crate) fn succeeded(self) -> Self {

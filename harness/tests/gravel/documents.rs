@@ -157,3 +157,19 @@ fn schema_of_a_problem_accepts_what_is_read_and_says_what_each_key_means() {
         }
     }
 }
+
+#[test]
+fn every_column_of_a_simulation_is_on_its_page() {
+    let folder = TempDir::new().unwrap();
+    let (rows, contacts) = (folder.path().join("rows.csv"), folder.path().join("contacts.csv"));
+    let run = ["simulate", "column", "--time-steps", "1", "-o", text(&rows), "--contacts", text(&contacts)];
+    gravel(&run).succeeded();
+    let page = page("cases/simulation-file.md");
+    for file in [rows, contacts] {
+        let written = fs::read_to_string(&file).unwrap();
+        let header = written.lines().next().unwrap();
+        let missing: Vec<&str> =
+            header.split(',').filter(|name| !page.contains(&format!("`{name}`"))).collect();
+        assert!(missing.is_empty() && header.contains(','), "{}: {missing:?}", file.display());
+    }
+}

@@ -11,6 +11,7 @@ mod exchange;
 #[cfg(unix)]
 mod external;
 mod freeze;
+mod init;
 #[cfg(unix)]
 mod outputs;
 mod page;

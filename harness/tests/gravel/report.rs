@@ -1,6 +1,6 @@
 //! `gravel report` and `gravel figure`: a stored study is drawn again, without running it.
 
-use crate::bench::Study;
+use crate::bench::{Study, rows};
 use crate::common::{entries, text, write};
 use std::fs;
 use std::process::Command;
@@ -67,12 +67,31 @@ fn report_draws_from_the_tables_of_a_folder() {
 #[test]
 fn figure_draws_one_chart_beside_the_report() {
     let study = Study::new();
-    write(study.folder(), "harness/plans/drawn.toml", PLAN);
+    write(
+        study.folder(),
+        "harness/plans/drawn.toml",
+        &(PLAN.to_owned() + "\n[[methods]]\nmethod = \"cg\"\n"),
+    );
     study.bench("drawn");
     study.gravel(&["figure", "size", "drawn"]).succeeded();
     let out = study.folder().path().join("reports/out");
     assert_eq!(entries(&out), ["drawn", "drawn-size"]);
     assert!(entries(&out.join("drawn-size")).contains(&"size.csv".to_owned()));
+    let methods = || -> Vec<String> {
+        let rows = rows(out.join("drawn-size/size.csv"));
+        let mut methods: Vec<String> = rows.into_iter().map(|row| row["method"].clone()).collect();
+        methods.dedup();
+        methods
+    };
+    let all = methods();
+    assert!(all.len() > 1, "{all:?}");
+    study.gravel(&["figure", "size", "drawn", "--only", &format!("method={}", all[0])]).succeeded();
+    assert_eq!(methods(), all[..1]);
+    let only = |only: &str, words: &[&str]| {
+        study.gravel(&["figure", "size", "drawn", "--only", only]).refused(words);
+    };
+    only("method=nsgz", &["--only method=nsgz", "nsgs"]);
+    only("methods=nsgs", &["--only methods=nsgs", "problem, method, variant", "method"]);
     study.gravel(&["figure", "sizes", "drawn"]).refused(&["`sizes`", "convergence", "size"]);
 }
 

@@ -329,3 +329,78 @@ fn frames_of_spheres_have_the_faces_of_their_box() {
     // The floor, left and right, back and front.
     assert_eq!((corners.len(), &*walls["wall"]), (5 * 4 * 3, &[0.0, 1.0, 2.0, 5.0, 6.0][..]));
 }
+
+#[test]
+fn simulation_that_stopped_resumes_bitwise_from_its_state() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let scene = ["simulate", "rough-box", "--scene", "sample.grains=40", "--scene", "scene.box.width_m=1.0"];
+    let run = |steps: &str, more: &[&str]| {
+        let steps = ["--method", "nsgs", "--tolerance", "1e-3", "--time-steps", steps];
+        gravel(&[&scene[..], &steps, more].concat()).succeeded()
+    };
+    run("30", &["-o", text(&at("whole.csv")), "--state", text(&at("whole.json"))]);
+    run("13", &["-o", text(&at("first.csv")), "--state", text(&at("stop.json.gz"))]);
+    let [stop, second, end] = ["stop.json.gz", "second.csv", "end.json"].map(at);
+    run("17", &["--restart", text(&stop), "-o", text(&second), "--state", text(&end)]);
+    let read = |name: &str| fs::read_to_string(at(name)).unwrap();
+    assert_eq!(read("whole.json"), read("end.json"));
+    let (_, second) = read("second.csv").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    assert_eq!(read("whole.csv"), read("first.csv") + &second);
+    let steps = ["--time-steps", "1", "--restart", text(&end)];
+    gravel(&[&scene[..], &steps, &["--scene", "scene.friction=0.5"]].concat()).refused(&[
+        "end.json",
+        "`scene.friction` is 0.3",
+        "it is 0.5",
+    ]);
+    gravel(&[&scene[..], &steps, &["--state", text(&end)]].concat()).refused(&["end.json exists"]);
+}
+
+#[test]
+fn table_of_contacts_adds_up_to_the_weight_and_has_both_formats() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let (csv, parquet) = (folder.path().join("c.csv"), folder.path().join("c.parquet"));
+    let run = ["simulate", "column", "--scene", "scene.friction=0.3", "--time-steps", "4", "--every", "2"];
+    for file in [&csv, &parquet] {
+        gravel(&[&run[..], &["--tolerance", "1e-10", "--contacts", text(file)]].concat()).succeeded();
+    }
+    let contacts = rows(csv);
+    let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
+    let steps: Vec<f64> = contacts.iter().map(|row| number(row, "time_step")).collect();
+    assert_eq!((steps[0], steps[steps.len() - 1]), (2.0, 4.0));
+    let floor: Vec<_> = contacts.iter().filter(|row| row["body"] == "floor").collect();
+    assert_eq!(floor.len(), 2);
+    let above: Vec<_> =
+        contacts.iter().filter(|row| row["body"] == "grain" && row["time_step"] == "4").collect();
+    let weight = number(floor[1], "impulse_y_n_s") / (above.len() + 1) as f64;
+    for row in above {
+        let carried = f64::from(number(row, "candidate").min(number(row, "antagonist")) as u32 + 1);
+        let expected =
+            weight * ((floor.len() as f64 / 2.0) * number(floor[1], "impulse_y_n_s") / weight - carried);
+        assert!((number(row, "normal_impulse_n_s") / expected - 1.0).abs() < 1e-6, "{row:?}");
+        assert_eq!((&*row["status"], &*row["segment"]), ("sticks", ""));
+        // The candidate of two grains is the lower one: the other presses it down.
+        assert!((number(row, "impulse_y_n_s") + expected).abs() < 1e-6 * expected, "{row:?}");
+    }
+    assert_eq!((number(floor[1], "y_m"), &*floor[1]["antagonist"]), (0.0, ""));
+    assert!(fs::read(parquet).unwrap().ends_with(b"PAR1"), "it has been ended");
+    let text_file = folder.path().join("c.txt");
+    let wrong = gravel(&[&run[..], &["--contacts", text(&text_file)]].concat());
+    wrong.refused(&["--contacts", "c.txt", ".csv", ".parquet"]);
+    assert!(!text_file.exists());
+}
+
+#[test]
+fn simulation_ends_where_its_condition_is_met_and_says_where_it_was_not() {
+    let until = |more: &[&str]| {
+        let run = ["simulate", "two-discs", "--tolerance", "1e-9", "--until", "at-rest"];
+        gravel(&[&run[..], more].concat())
+    };
+    let printed = until(&["--time-steps", "2000"]).succeeded().stdout;
+    assert!(printed.contains("\nat rest: no grain faster than "), "{printed}");
+    let printed = until(&["--time-steps", "2"]).ended(3).stdout;
+    assert!(printed.contains("\nnot at rest: "), "{printed}");
+    until(&["--time-steps", "2", "--over", "-1"]).refused(&["--over -1", "positive"]);
+    until(&["--time-steps", "2", "--scene", "scene.gravity_m_per_s2=0"]).refused(&["gravity_m_per_s2"]);
+    gravel(&["simulate", "two-discs", "--time-steps", "2", "--every", "2"]).refused(&["--every 2", "--vtk"]);
+}

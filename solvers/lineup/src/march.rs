@@ -4,9 +4,10 @@ use crate::facts::facts;
 use crate::form::Form;
 use crate::methods::Ours;
 use anyhow::Result;
-use cases::{AnyFrozen, CaseError, March, Observables, Side, Start};
+use cases::{AnyFrozen, Case, CaseError, March, Observables, Side, Start};
 use contact::{Place, Vector};
 use runner::{Outcome, Stop};
+use std::path::Path;
 
 /// A grain, a lid or a driven segment, as it is.
 pub struct Body {
@@ -26,12 +27,14 @@ pub struct Body {
 pub struct Attempt {
     /// The problem.
     pub frozen: AnyFrozen,
+    /// The antagonist of each of its contacts.
+    pub sides: Vec<Side>,
     /// The end of its solve, and what the scene shows after it; or the reason why there is none.
     pub solved: Result<(Outcome, Observables), CaseError>,
 }
 
 /// A march through time.
-pub trait OneMarch {
+pub trait OneMarch: Send {
     /// Returns the unusual values of its scene, each by its key.
     fn warnings(&self) -> Vec<String>;
 
@@ -49,6 +52,21 @@ pub trait OneMarch {
 
     /// Returns the number of time steps done.
     fn time_steps(&self) -> u64;
+
+    /// Returns the time (s).
+    fn time(&self) -> f64;
+
+    /// Returns the text of the file of its state, see [`March::state`].
+    ///
+    /// # Errors
+    /// Those of JSON, which none of its numbers causes.
+    fn state(&self, case: &Case) -> serde_json::Result<String>;
+
+    /// Takes over the state of a file, see [`March::resume`].
+    ///
+    /// # Errors
+    /// Names the file, the key and the value.
+    fn resume(&mut self, case: &Case, path: &Path) -> Result<(), CaseError>;
 
     /// Returns the number of grains; a lid is none, nor is a driven segment.
     fn grain_count(&self) -> usize;
@@ -100,6 +118,18 @@ impl<M: Form> OneMarch for March<M> {
         self.time_steps()
     }
 
+    fn time(&self) -> f64 {
+        self.time()
+    }
+
+    fn state(&self, case: &Case) -> serde_json::Result<String> {
+        self.state(case)
+    }
+
+    fn resume(&mut self, case: &Case, path: &Path) -> Result<(), CaseError> {
+        self.resume(case, path)
+    }
+
     fn grain_count(&self) -> usize {
         self.grain_count()
     }
@@ -119,7 +149,8 @@ impl<M: Form> OneMarch for March<M> {
         let solver = ours.engine_of(&facts::<M>(0, 0).in_words())?.solver();
         let time_step = self.next()?;
         let solved = self.solve(&time_step, solver, stop, start, halt);
-        Ok(Attempt { frozen: time_step.frozen.into(), solved })
+        let sides = time_step.sides().to_vec();
+        Ok(Attempt { frozen: time_step.frozen.into(), sides, solved })
     }
 
     #[expect(clippy::type_complexity, reason = "the lists of the grains, zipped")]

@@ -7,7 +7,7 @@ use crate::methods::Ours;
 use crate::share::{OneShare, Part};
 use analysis::Meter;
 use anyhow::{Result, ensure};
-use cases::{AnyFrozen, Frozen, Homogenised};
+use cases::{AnyFrozen, Frozen, Homogenised, to_candidate};
 use contact::{Measures, Mechanics, Place, Touch, Truth, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme, Share, Team, Whole};
 use reference::{Certificate, Certified, distance};
@@ -77,6 +77,9 @@ pub trait OneProblem: Send + Sync {
 
     /// Returns the size of each tangential impulse, in 2D with the sign along t = (−`n_y`, `n_x`); none without friction.
     fn tangential(&self, r: &[f64]) -> Option<Vec<f64>>;
+
+    /// Returns the impulse of each contact as the vector that acts on the candidate (N·s); z is 0 in 2D.
+    fn on_candidates(&self, r: &[f64]) -> Vec<[f64; 3]>;
 
     /// Returns the status of each contact: 0 if it is open, 1 if it sticks, 2 if it slides; none without friction.
     fn statuses(&self, r: &[f64]) -> Option<Vec<u8>>;
@@ -243,6 +246,11 @@ impl<M: Form> OneProblem for Frozen<M> {
             _ => r[1],
         };
         M::HAS_FRICTION.then(|| r.chunks_exact(M::Impulse::LEN).map(size).collect())
+    }
+
+    fn on_candidates(&self, r: &[f64]) -> Vec<[f64; 3]> {
+        let vector = |(k, contact)| to_candidate::<M>(contact, M::Impulse::at(r, k)).space();
+        self.problem.contacts().iter().enumerate().map(vector).collect()
     }
 
     fn statuses(&self, r: &[f64]) -> Option<Vec<u8>> {

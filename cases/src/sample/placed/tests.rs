@@ -1,6 +1,10 @@
-use super::placed;
+use super::{Placed, placed};
 
 fn read(text: &str, in_space: bool) -> Result<Vec<[f64; 4]>, String> {
+    Ok(grains(text, in_space)?.into_iter().map(|grain| grain.ball).collect())
+}
+
+fn grains(text: &str, in_space: bool) -> Result<Vec<Placed>, String> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.csv");
     std::fs::write(&file, text).unwrap();
@@ -63,5 +67,21 @@ fn file_that_is_no_text_in_utf_8_is_named_with_its_byte() {
         "{latin}"
     );
     std::fs::write(&file, "\u{feff}x_m,y_m,radius_m\n0,0,1\n").unwrap();
-    assert_eq!(placed(&file, false), Ok(vec![[0.0, 0.0, 0.0, 1.0]]));
+    let grains = placed(&file, false).unwrap();
+    assert_eq!(grains.iter().map(|grain| grain.ball).collect::<Vec<_>>(), [[0.0, 0.0, 0.0, 1.0]]);
+}
+
+#[test]
+fn densities_velocities_and_spins_are_read_where_they_are_there() {
+    let discs = grains(
+        "x_m,y_m,radius_m,spin_rad_per_s,velocity_y_m_per_s,density_kg_per_m2\n1,2,0.5,3,-4,900\n",
+        false,
+    );
+    let [Placed { density, motion, .. }] = discs.unwrap()[..] else { panic!("one disc") };
+    assert_eq!((density, motion), (Some(900.0), [0.0, -4.0, 0.0, 0.0, 0.0, 3.0]));
+    let spheres = grains("x_m,y_m,z_m,radius_m,velocity_z_m_per_s,spin_x_rad_per_s\n1,2,3,0.5,6,7\n", true);
+    let [Placed { density, motion, .. }] = spheres.unwrap()[..] else { panic!("one sphere") };
+    assert_eq!((density, motion), (None, [0.0, 0.0, 6.0, 7.0, 0.0, 0.0]));
+    let refused = grains("x_m,y_m,radius_m,density_kg_per_m2\n1,2,0.5,-1\n", false).unwrap_err();
+    assert!(refused.contains("line 2: `density_kg_per_m2` is -1"), "{refused}");
 }

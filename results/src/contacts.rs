@@ -1,0 +1,292 @@
+//! Contacts of a simulation: a row for each contact of a time step, in a table that grows while time goes on.
+
+use crate::columns::{cells, table};
+use crate::name::{self, Name};
+use crate::whole::Unfinished;
+use cases::Side;
+use contact::number;
+use polars::io::parquet::write::BatchedWriter;
+use polars::prelude::{DataFrame, ParquetWriter, PolarsResult};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+
+/// A contact after a time step, with its impulse. The normal points from the antagonist to the candidate, and vectors act on the candidate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactForce {
+    /// Time steps made.
+    pub time_step: u64,
+    /// Time (s).
+    #[serde(with = "number")]
+    pub time_s: f64,
+    /// Index of the candidate grain.
+    pub candidate: u32,
+    /// Index of the antagonist, if it is a grain, a lid or a driven segment.
+    pub antagonist: Option<u32>,
+    /// Kind of the antagonist.
+    #[serde(with = "name")]
+    pub body: Body,
+    /// Place of a segment in the list of its case, from 0.
+    pub segment: Option<u32>,
+    /// Point of the candidate's surface that is nearest to the antagonist (m), where contacts are sought; as below, z is 0 of discs.
+    #[serde(with = "number")]
+    pub x_m: f64,
+    /// Its y (m).
+    #[serde(with = "number")]
+    pub y_m: f64,
+    /// Its z (m).
+    #[serde(with = "number")]
+    pub z_m: f64,
+    /// Unit normal (–).
+    #[serde(with = "number")]
+    pub normal_x: f64,
+    /// Its y (–).
+    #[serde(with = "number")]
+    pub normal_y: f64,
+    /// Its z (–).
+    #[serde(with = "number")]
+    pub normal_z: f64,
+    /// Gap at that place, negative where the two overlap (m).
+    #[serde(with = "number")]
+    pub gap_m: f64,
+    /// μ (–).
+    #[serde(with = "number")]
+    pub friction: f64,
+    /// Normal impulse of the time step, not negative (N·s). Over the time step it is the mean force.
+    #[serde(with = "number")]
+    pub normal_impulse_n_s: f64,
+    /// Tangential impulse (N·s): of discs along [−`n_y`, `n_x`], with its sign; between spheres its size; 0 without friction.
+    #[serde(with = "number")]
+    pub tangential_impulse_n_s: f64,
+    /// The whole impulse on the candidate along x (N·s).
+    #[serde(with = "number")]
+    pub impulse_x_n_s: f64,
+    /// Its y (N·s).
+    #[serde(with = "number")]
+    pub impulse_y_n_s: f64,
+    /// Its z (N·s).
+    #[serde(with = "number")]
+    pub impulse_z_n_s: f64,
+    /// Status.
+    #[serde(with = "name")]
+    pub status: ContactStatus,
+}
+
+/// Kind of an antagonist.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Body {
+    /// Another grain.
+    #[default]
+    Grain,
+    /// The floor.
+    Floor,
+    /// The wall at the left.
+    Left,
+    /// The wall at the right.
+    Right,
+    /// The wall behind.
+    Back,
+    /// The wall before.
+    Front,
+    /// The drum.
+    Drum,
+    /// A bump of the floor.
+    Bump,
+    /// A segment.
+    Segment,
+    /// The lid.
+    Lid,
+    /// A guide of a lid or a driven segment, which is the candidate.
+    Guide,
+}
+
+impl Name for Body {
+    const COLUMN: &'static str = "body";
+
+    const NAMES: &'static [(Self, &'static str)] = &[
+        (Self::Grain, "grain"),
+        (Self::Floor, "floor"),
+        (Self::Left, "left"),
+        (Self::Right, "right"),
+        (Self::Back, "back"),
+        (Self::Front, "front"),
+        (Self::Drum, "drum"),
+        (Self::Bump, "bump"),
+        (Self::Segment, "segment"),
+        (Self::Lid, "lid"),
+        (Self::Guide, "guide"),
+    ];
+}
+
+impl Body {
+    /// Returns the kind of a side, and its place in the list of segments, if it is one.
+    pub fn of(side: Side) -> (Self, Option<u32>) {
+        let kind = match side {
+            Side::Floor => Self::Floor,
+            Side::Left => Self::Left,
+            Side::Right => Self::Right,
+            Side::Back => Self::Back,
+            Side::Front => Self::Front,
+            Side::Drum => Self::Drum,
+            Side::Bump(_) => Self::Bump,
+            Side::Segment(number) | Side::Driven(_, number) => return (Self::Segment, Some(number)),
+            Side::Grain(_) => Self::Grain,
+            Side::Lid(..) => Self::Lid,
+            Side::Guide(_) => Self::Guide,
+        };
+        (kind, None)
+    }
+}
+
+/// Status of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ContactStatus {
+    /// No impulse.
+    #[default]
+    Open,
+    /// A normal impulse without friction.
+    Closed,
+    /// A tangential impulse inside Coulomb's cone.
+    Sticks,
+    /// A tangential impulse on Coulomb's cone.
+    Slides,
+}
+
+impl Name for ContactStatus {
+    const COLUMN: &'static str = "status";
+
+    const NAMES: &'static [(Self, &'static str)] =
+        &[(Self::Open, "open"), (Self::Closed, "closed"), (Self::Sticks, "sticks"), (Self::Slides, "slides")];
+}
+
+/// Number of rows that are written at once to a Parquet table: some megabytes.
+const AT_ONCE: usize = 1 << 16;
+
+/// Table of contacts that is being written: as CSV row by row, so that a program that is killed leaves what it wrote; as Parquet whole or
+/// not at all.
+pub struct ContactTable(Kind);
+
+enum Kind {
+    Csv(File),
+    Parquet { unfinished: Unfinished, writer: Box<BatchedWriter<File>>, rows: Vec<ContactForce> },
+}
+
+/// Endings of the names of tables.
+pub const ENDINGS: [&str; 2] = ["csv", "parquet"];
+
+impl ContactTable {
+    /// Begins a table in a file that is not there; `None` if the ending of its name is none of [`ENDINGS`].
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn begin(path: &Path) -> PolarsResult<Option<Self>> {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        Ok(Some(Self(match ending {
+            Some("csv") => {
+                let mut file = File::create_new(path)?;
+                let names: Vec<String> =
+                    cells(&ContactForce::default())?.into_iter().map(|(name, _)| name).collect();
+                writeln!(file, "{}", names.join(","))?;
+                Kind::Csv(file)
+            }
+            Some("parquet") => {
+                let unfinished = Unfinished::beside(path)?;
+                let writer = ParquetWriter::new(unfinished.handle()?);
+                let columns = table::<ContactForce>([])?;
+                let writer = Box::new(writer.batched(columns.schema())?);
+                Kind::Parquet { unfinished, writer, rows: Vec::new() }
+            }
+            _ => return Ok(None),
+        })))
+    }
+
+    /// Adds the rows of a time step.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn add(&mut self, new: Vec<ContactForce>) -> PolarsResult<()> {
+        match &mut self.0 {
+            Kind::Csv(file) => {
+                // In one write, so that no half row is left.
+                let mut text = String::new();
+                for row in &new {
+                    let values: Vec<String> = cells(row)?.into_iter().map(|(_, value)| value).collect();
+                    text += &(values.join(",") + "\n");
+                }
+                Ok(file.write_all(text.as_bytes())?)
+            }
+            Kind::Parquet { writer, rows, .. } => {
+                rows.extend(new);
+                if rows.len() >= AT_ONCE { write(writer, rows) } else { Ok(()) }
+            }
+        }
+    }
+
+    /// Ends the table.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn finish(self) -> PolarsResult<()> {
+        let Kind::Parquet { unfinished, mut writer, mut rows } = self.0 else { return Ok(()) };
+        write(&mut writer, &mut rows)?;
+        writer.finish()?;
+        Ok(unfinished.finish()?)
+    }
+}
+
+/// Writes the rows and forgets them.
+fn write(writer: &mut BatchedWriter<File>, rows: &mut Vec<ContactForce>) -> PolarsResult<()> {
+    let columns: DataFrame = table(&*rows)?;
+    rows.clear();
+    writer.write_batch(&columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Body, ContactForce, ContactStatus, ContactTable};
+    use crate::columns::rows;
+    use polars::prelude::{ParquetReader, SerReader};
+    use std::fs::{self, File};
+
+    fn row(candidate: u32) -> ContactForce {
+        let (segment, status) = (Some(7), ContactStatus::Slides);
+        ContactForce {
+            candidate,
+            body: Body::Segment,
+            segment,
+            status,
+            gap_m: -0.5,
+            ..ContactForce::default()
+        }
+    }
+
+    #[test]
+    fn parquet_holds_the_rows_of_all_time_steps_and_is_not_there_before_its_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("contacts.parquet");
+        let mut table = ContactTable::begin(&path).unwrap().unwrap();
+        table.add(vec![row(1), row(2)]).unwrap();
+        table.add(Vec::new()).unwrap();
+        table.add(vec![row(3)]).unwrap();
+        assert!(!path.exists());
+        table.finish().unwrap();
+        let read = ParquetReader::new(File::open(&path).unwrap()).finish().unwrap();
+        assert_eq!(rows::<ContactForce>(&read).unwrap(), [row(1), row(2), row(3)]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn csv_is_there_at_any_moment_and_another_ending_makes_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("contacts.csv");
+        let mut table = ContactTable::begin(&path).unwrap().unwrap();
+        table.add(vec![row(1)]).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 2);
+        assert!(ContactTable::begin(&folder.path().join("contacts.txt")).unwrap().is_none());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
