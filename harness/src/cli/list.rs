@@ -106,6 +106,14 @@ fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
 }
 
 fn say_methods() -> Result<()> {
+    // Other codes are slow to say their versions: all at once.
+    std::thread::scope(|scope| {
+        for entry in methods() {
+            if let Entry::File(external) = entry {
+                scope.spawn(move || external.version().is_ok());
+            }
+        }
+    });
     for entry in methods() {
         say(format_args!("{:<16}{}", entry.name(), entry.what()))?;
         if let Entry::File(external) = entry {
