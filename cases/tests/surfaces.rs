@@ -167,8 +167,9 @@ fn tray_that_turns_carries_what_lies_on_it_in_both_dimensions() {
     let mut march = March::<RoughDiscs>::new(&case).unwrap();
     for k in 1..=50 {
         let (_, seen) = time_step(&mut march);
-        // The chord of half a time step, 1.5 m (ω h)²/8 = 7.5e-7 m, and a tenth of it after 50 of them.
-        assert!(seen.greatest_overlap < 1e-6, "{}", seen.greatest_overlap);
+        // The chord of half a time step, 1.5 m (ω h)²/8 = 7.5e-7 m; and per time step ω h times what rolling moves less than free motion
+        // does, a third of g sin φ h²: less than 7e-8 m at φ = 0.1, half of that on average over 50 of them.
+        assert!(seen.greatest_overlap < 2.5e-6, "{}", seen.greatest_overlap);
         let turned = 0.2 * H * f64::from(k);
         // It stays on the tray: one radius above the line.
         let normal = Vector2::new(-turned.sin(), turned.cos());
@@ -180,8 +181,9 @@ fn tray_that_turns_carries_what_lies_on_it_in_both_dimensions() {
     let mut march = March::<RoughSpheres>::new(&case).unwrap();
     for k in 1..=50 {
         let (_, seen) = time_step(&mut march);
-        // The chord of half a time step, 1.5 m (ω h)²/8 = 7.5e-7 m, and a tenth of it after 50 of them.
-        assert!(seen.greatest_overlap < 1e-6, "{}", seen.greatest_overlap);
+        // The chord of half a time step, 1.5 m (ω h)²/8 = 7.5e-7 m; and per time step ω h times what rolling moves less than free motion
+        // does, a third of g sin φ h²: less than 7e-8 m at φ = 0.1, half of that on average over 50 of them.
+        assert!(seen.greatest_overlap < 2.5e-6, "{}", seen.greatest_overlap);
         let turned = 0.2 * H * f64::from(k);
         let normal = Vector3::new(-turned.sin(), turned.cos(), 0.0);
         assert!((normal.dot(&place(&march)) - 1.5).abs() < 1e-5, "{}", normal.dot(&place(&march)));
