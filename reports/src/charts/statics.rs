@@ -104,7 +104,7 @@ impl<'s> Judged<'s> {
         Some(Self { simulation, friction, stands, error })
     }
 
-    /// What its scene shares with those of other frictions and slopes.
+    /// Returns the group of its scene: those of one case, law, time step and answer.
     fn group(&self) -> Group<'s> {
         let law = self.simulation.scene_settings.get("scene.law").and_then(|law| law.as_str());
         let milliseconds = milliseconds(self.simulation.time_step_s);
