@@ -201,11 +201,11 @@ fn boundary(judged: &[Judged]) -> String {
         let of = |name: &str, mark: Mark, pen: Pen, is: &dyn Fn(&Judged) -> bool| {
             let points =
                 sweep().filter(|one| one.simulation.label() == label && is(one)).filter_map(|one| at(one));
-            Curve::of(name, Look { mark, pen }, points, Through::Nothing)
+            Curve::of(name, Look { pen, mark }, points, Through::Nothing)
         };
         let wrong = |one: &Judged| one.error.is_none_or(|error| error > WRONG);
         let line = (0..=64).map(|k| steepest * f64::from(k) / 64.0).map(|slope| (slope, slope.tan()));
-        let exact = Look { mark: Mark::None, pen: TOLERANCE };
+        let exact = Look { pen: TOLERANCE, mark: Mark::None };
         let curves = vec![
             Curve::of("exact: it stands above tan(slope)", exact, line, Through::Points),
             of("stands", Mark::Disc, FRAME, &|one| one.stands && !wrong(one)),
