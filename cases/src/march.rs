@@ -74,6 +74,10 @@ impl<M: Marched> March<M> {
         if let Some(highest) = (0..grains.len()).rev().max_by(|a, b| height(a).total_cmp(&height(b))) {
             velocity[highest] = M::Place::of([x, y - case.scene.impact_speed_m_per_s, 0.0]);
         }
+        let spins = |grain: &Grain<M::Place>| grain.motion[3..].iter().any(|spin| *spin != 0.0);
+        if let Some(grain) = grains.iter().position(|grain| case.scene.spinless && spins(grain)) {
+            return Err(case.wrong(format!("`scene.spinless` is true: grain {grain} of the sample spins")));
+        }
         let mut mass: Vec<_> = grains.iter().map(|grain| inertia::<M>(grain, !case.scene.spinless)).collect();
         for (body, at) in case.scene.bodies(&grains) {
             mass.push(inertia::<M>(&body, false));

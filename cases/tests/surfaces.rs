@@ -174,9 +174,12 @@ fn tray_that_turns_carries_what_lies_on_it_in_both_dimensions() {
         // It stays on the tray: one radius above the line.
         let normal = Vector2::new(-turned.sin(), turned.cos());
         assert!((normal.dot(&place(&march)) - 1.5).abs() < 1e-5, "{}", normal.dot(&place(&march)));
+        // Its surface moves with that of the tray, 1 m from the axis.
+        let [tangent, v] = [Vector2::new(normal.y, -normal.x), march.velocity()[0].xy()];
+        let sliding = v.dot(&tangent) + 0.5 * march.velocity()[0].z + 0.2;
+        assert!(sliding.abs() < 1e-3, "{sliding}");
     }
-    let space =
-        square(-1.0).replace("friction", "") + &turning("axis = [0.0, 0.0, 1.0]\n", "[0.0, 0.0, 0.0]");
+    let space = square(-1.0) + &turning("axis = [0.0, 0.0, 1.0]\n", "[0.0, 0.0, 0.0]");
     let case = scene("[[0.0, 1.5, 1.0, 0.5]]", &format!("friction = 0.8\n{space}")).unwrap();
     let mut march = March::<RoughSpheres>::new(&case).unwrap();
     for k in 1..=50 {

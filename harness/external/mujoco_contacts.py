@@ -54,7 +54,6 @@ model = mujoco.MjModel.from_xml_string(
     <contact>{pairs}</contact></mujoco>"""
 )
 data = mujoco.MjData(model)
-data.qvel[:] = np.array(grains["free_velocity"]).ravel()
 mujoco.mj_fwdPosition(model, data)
 a, b, run.rows = assembled(problem)
 run.root = run.scale = 1.0

@@ -4,6 +4,7 @@ A contact's rows are in Pinocchio's order, both tangents before the normal. A ta
 without a part in the rest.
 """
 
+import concurrent.futures
 import threading
 
 import numpy as np
@@ -40,8 +41,7 @@ settings.solve_ncp = run.words[1] == "coulomb"
 run.solving()
 # Its Gauss-Seidel copies W to the stack, which 8 MB end at a thousand rows.
 threading.stack_size(2**26 + 8 * (3 * count) ** 2 // 4096 * 4096)
-thread = threading.Thread(target=solver.solve, args=(w, into @ b, models, datas, settings, result))
-thread.start()
-thread.join()
+with concurrent.futures.ThreadPoolExecutor(1) as thread:
+    thread.submit(solver.solve, w, into @ b, models, datas, settings, result).result()
 run.solved()
 run.answer(result.retrieveConstraintImpulses()[taken], result.iterations, "converged" if result.converged else "iteration limit")

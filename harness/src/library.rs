@@ -20,6 +20,7 @@ use serde_json::{Map, Value};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -128,6 +129,18 @@ struct Bench {
 /// Interval between two questions whether to end a study.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// The study that runs: one at a time.
+static STUDY: Mutex<()> = Mutex::new(());
+
+/// A call at the end of a scope, also where it panics.
+struct OnDrop<F: Fn()>(F);
+
+impl<F: Fn()> Drop for OnDrop<F> {
+    fn drop(&mut self) {
+        self.0();
+    }
+}
+
 /// Runs a plan, as `gravel bench` does with these arguments, and returns the folder of its tables; `stops` is asked whether to end after
 /// the current iteration of each run.
 ///
@@ -140,17 +153,20 @@ pub fn bench(arguments: Vec<String>, stops: impl Fn() -> bool + Send + Sync) -> 
         let checkout = root.needed()?;
         let folder = runs_folder(checkout).join(args.study.selection(checkout)?.plan.name);
         let has_ended = AtomicBool::new(false);
+        // The request to end is one of the whole program.
+        let _alone = STUDY.lock().unwrap_or_else(PoisonError::into_inner);
+        exit::request(false);
         thread::scope(|scope| {
+            let _end = OnDrop(|| has_ended.store(true, Ordering::Relaxed));
             scope.spawn(|| {
                 while !has_ended.load(Ordering::Relaxed) {
                     exit::request(stops());
                     thread::sleep(LOOK);
                 }
             });
-            let ended = bench::run(checkout, &args);
-            has_ended.store(true, Ordering::Relaxed);
-            ended
+            bench::run(checkout, &args)
         })?;
+        ensure!(!exit::requested(), "stopped before its end; the runs that had ended are kept");
         Ok(folder)
     };
     run().map_err(|error| crate::in_one_paragraph(&error))

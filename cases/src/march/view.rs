@@ -124,7 +124,7 @@ impl<M: Marched> March<M> {
             stress: Stress::of(time_step, &self.scene, (grains, area), r),
             bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
             greatest_displacement: self.greatest_displacement(),
-            greatest_speed: greatest(self.velocity.iter().map(|v| translation::<M>(*v).length())),
+            greatest_speed: greatest(self.velocity[..grains].iter().map(|v| translation::<M>(*v).length())),
         }
     }
 }

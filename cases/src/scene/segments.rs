@@ -286,6 +286,8 @@ fn check_polygon(corners: &[Vector3<f64>], place: &str) -> Result<(), String> {
         return Err(format!("`{place}.corners_m` has no area: its corners must not lie on a line"));
     }
     let normal = area.normalize();
+    // By how much the edges turn, once around (rad).
+    let mut turned = 0.0;
     for (k, corner) in corners.iter().enumerate() {
         let off = normal.dot(&(corner - corners[0])).abs();
         if off > FLAT * size {
@@ -295,11 +297,16 @@ fn check_polygon(corners: &[Vector3<f64>], place: &str) -> Result<(), String> {
             ));
         }
         let [before, after] = [corners[(k + count - 1) % count], corners[(k + 1) % count]];
-        if normal.dot(&(corner - before).cross(&(after - corner))) < -FLAT * size * size {
+        let (from, to) = (corner - before, after - corner);
+        turned += normal.dot(&from.cross(&to)).atan2(from.dot(&to));
+        if normal.dot(&from.cross(&to)) < -FLAT * size * size {
             return Err(format!(
                 "`{place}.corners_m[{k}]` is a corner that points inwards: the polygon must be convex"
             ));
         }
+    }
+    if turned > 3.0 * std::f64::consts::PI {
+        return Err(format!("`{place}.corners_m` goes around more than once: the polygon must be convex"));
     }
     Ok(())
 }

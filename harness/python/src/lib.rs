@@ -71,7 +71,7 @@ fn array<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyByteArray> {
 }
 
 /// Radius, mass, position, velocity and spin of each body, and the numbers in a position and in a spin.
-type OfBodies<'py> = ([Bound<'py, PyByteArray>; 5], [usize; 2]);
+type OfBodies<'py> = ([Bound<'py, PyByteArray>; 5], [usize; 3]);
 
 /// A simulation under way. A call waits for the one before, as after Ctrl-C.
 #[pyclass(frozen)]

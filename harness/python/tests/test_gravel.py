@@ -357,10 +357,11 @@ def test_errors_of_simulations_name_what_is_wrong(call, words):
 
 def test_ctrl_c_ends_a_simulation_and_keeps_its_state(tmp_path):
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
+    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
+    # From the second time step on, so that there is a state.
+    begin = lambda frame: None if timer.ident else timer.start()
     with pytest.raises(KeyboardInterrupt):
-        simulated(10**9, state=tmp_path / "state.json")
+        simulated(10**9, state=tmp_path / "state.json", every=1, progress=begin)
     assert simulated(1, restart=tmp_path / "state.json").frames[0].time_step > 0
 
 

@@ -111,8 +111,17 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let ended = through_time(&mut *march, method.ours()?, &rule, args.time_steps, &exit::requested, see);
     let _whole = exit::whole();
     kept.bar.finish_and_clear();
-    let (totals, end) = ended?;
-    kept.end(&*march, &end)?;
+    let (totals, end) = match ended {
+        Ok(ended) => ended,
+        Err(error) => {
+            // What was reached is kept, whatever ended it.
+            if let Err(also) = kept.end(&*march, false) {
+                eprintln!("error: {also:#}");
+            }
+            return Err(error);
+        }
+    };
+    kept.end(&*march, matches!(end, End::Exploded { .. }))?;
     let last_state = match &end {
         End::Refused(why) => bail!("method `{}`, {why}", method.name),
         End::Exploded { last, .. } => Some(last_state(last, args)),
@@ -146,8 +155,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         let missed = missed.map(|text| text + advice(&case, &method));
         say_ending(&case.name, args, &totals, missed, &end, last_state)?;
     }
-    let is_unmet = is_met == Some(false) && matches!(end, End::Completed);
-    Ok(exit::code(if is_unmet { exit::UNMET } else { end.worst(&totals) }))
+    let worst = end.worst(&totals);
+    let is_unmet = is_met == Some(false) && worst == End::Completed.status();
+    Ok(exit::code(if is_unmet { exit::UNMET } else { worst }))
 }
 
 /// Writes the problem of the last good state beside what else is written.

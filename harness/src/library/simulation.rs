@@ -55,8 +55,8 @@ pub struct Advanced {
 
 /// The bodies of a scene, in flat lists: the grains, and last a lid or driven segments.
 pub struct Bodies {
-    /// Numbers of a place and a velocity, and of a spin: 0 without friction.
-    pub sizes: [usize; 2],
+    /// Numbers of a place and a velocity, of a spin, 0 without friction, and of the grains.
+    pub sizes: [usize; 3],
     /// Radius of each (m).
     pub radius: Vec<f64>,
     /// Mass of each (kg).
@@ -175,7 +175,7 @@ impl Simulation {
             bodies.iter().flat_map(|body| vector(body).into_iter().take(size)).collect()
         };
         Bodies {
-            sizes: [size, bodies.first().map_or(0, |body| body.spin.len())],
+            sizes: [size, bodies.first().map_or(0, |body| body.spin.len()), self.march.grain_count()],
             radius: bodies.iter().map(|body| body.radius).collect(),
             mass: bodies.iter().map(|body| body.mass).collect(),
             position: flat(|body| body.place),

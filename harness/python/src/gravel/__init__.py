@@ -109,6 +109,8 @@ class Frame:
     the antagonist to the candidate. `None` where they were not asked for, and before the first time step."""
     walls: list[np.ndarray]
     """Walls as they are drawn, each by its corners (k, 3) (m): lines of 2 in 2D, faces of 4 in 3D."""
+    grains: int
+    """Number of grains, the first of the bodies."""
 
     def __repr__(self) -> str:
         return f"<Frame: time step {self.time_step}, t = {self.time:.6g} s, {len(self.radii)} bodies>"
@@ -231,6 +233,8 @@ def simulate(
             raise ValueError(f"`{name}` is {count!r}: it must be a whole number, and positive")
     if state is not None and Path(state).exists():
         raise ValueError(f"`state`: {state} exists: give another file")
+    if state is not None and not Path(state).absolute().parent.is_dir():
+        raise ValueError(f"`state`: {state}: there is no folder {Path(state).absolute().parent}")
     request = {"method": method, "settings": _listed(settings), "stop": _stop(on, tolerance, max_iterations), "start": start}
     request |= {"until": until, "over": None if over is None else _listed(over, "over")}
     march = _native.March(str(case), _changes(scene), json.dumps(_listed(request)), None if restart is None else Path(restart))
@@ -396,12 +400,12 @@ def _columns(table: list[tuple[str, Any]]) -> dict[str, np.ndarray]:
 
 def _frame_of(march: Any, contacts: dict[str, np.ndarray] | None) -> Frame:
     """The moment that a march is at."""
-    arrays, (size, of_spin) = march.bodies()
+    arrays, (size, of_spin, grains) = march.bodies()
     radii, masses, positions, velocities, spins = (np.frombuffer(array) for array in arrays)
     (time_step, time), vectors = march.time(), (positions.reshape(-1, size), velocities.reshape(-1, size))
     return Frame(
         time_step, time, radii, masses, *vectors, spins=None if of_spin == 0 else _rows(spins, of_spin), contacts=contacts,
-        walls=[np.array(corners) for corners in march.walls()],
+        walls=[np.array(corners) for corners in march.walls()], grains=grains,
     )
 
 

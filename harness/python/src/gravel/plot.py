@@ -54,7 +54,7 @@ def packing(
         lines, impulses = _of_problem(of, solution, place, radius)
         walls: Sequence[np.ndarray] = ()
     else:
-        place, radius, walls = of.positions, of.radii, of.walls
+        place, radius, walls = of.positions[: of.grains], of.radii[: of.grains], of.walls
         lines, impulses = _of_frame(of, place, radius)
     order = np.argsort(place[:, 2], kind="stable") if place.shape[1] > 2 else np.arange(len(place))
     sizes = 2 * radius[order]
@@ -97,13 +97,18 @@ def _of_problem(problem: Mapping[str, Any], solution: Any, place: np.ndarray, ra
 
 def _of_frame(frame: Frame, place: np.ndarray, radius: np.ndarray):
     """Lines and normal impulses of a frame."""
-    contacts = frame.contacts
-    if not contacts:
+    if not frame.contacts:
         return np.empty((0, 2, 2)), np.empty(0)
+    # Guides of a lid press no grain.
+    is_drawn = frame.contacts["body"] != "guide"
+    contacts = {name: column[is_drawn] for name, column in frame.contacts.items()}
     normal = np.stack([contacts[f"normal_{axis}"] for axis in "xyz"[: place.shape[1]]], axis=1)
     point = np.stack([contacts[f"{axis}_m"] for axis in "xyz"[: place.shape[1]]], axis=1)
-    i, j = contacts["candidate"], np.where(contacts["body"] == "grain", contacts["antagonist"], -1)
-    return _lines(place, i, j, point - normal * contacts["gap_m"][:, None]), contacts["normal_impulse_n_s"]
+    i, is_grain = contacts["candidate"], contacts["body"] == "grain"
+    # As far as the nearest image of the other grain, where the scene is periodic.
+    reach = radius[i] + contacts["gap_m"] + radius[np.where(is_grain, contacts["antagonist"], 0)]
+    end = np.where(is_grain[:, None], place[i] - normal * reach[:, None], point - normal * contacts["gap_m"][:, None])
+    return np.stack([place[i], end], axis=1)[:, :, _PLANE], contacts["normal_impulse_n_s"]
 
 
 def _lines(place: np.ndarray, i: np.ndarray, j: np.ndarray, at_wall: np.ndarray) -> np.ndarray:

@@ -2,9 +2,9 @@
 
 use super::Args;
 use crate::plan::Method;
-use crate::run::{End, Frames, Seen, Watch, contact_forces, observed};
+use crate::run::{Frames, Seen, Watch, contact_forces, observed};
 use crate::terminal::{exit, progress, say, write_sealed};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use cases::Case;
 use indicatif::ProgressBar;
 use lineup::OneMarch;
@@ -37,14 +37,16 @@ impl<'a> Kept<'a> {
         let frames = |folder: &PathBuf| Frames::new(folder, &case.name, method.partition());
         let contacts = |path: &'a PathBuf| -> Result<(&'a Path, ContactTable)> {
             let table = ContactTable::begin(path).with_context(|| path.display().to_string())?;
-            let table = table.with_context(|| {
-                format!("--contacts {}: its name must end in .{}", path.display(), ENDINGS.join(" or ."))
-            })?;
-            Ok((path, table))
+            Ok((path, table.with_context(|| refused(path))?))
         };
-        // The table that may be refused by its name begins first, so that nothing is left behind.
-        let contacts = args.contacts.as_ref().map(contacts).transpose()?;
+        // Names first, then frames, whose folder may be refused, so that nothing is left behind.
+        let is_table =
+            |path: &Path| path.extension().is_some_and(|end| ENDINGS.iter().any(|one| end == *one));
+        if let Some(path) = args.contacts.as_ref().filter(|path| !is_table(path)) {
+            bail!(refused(path));
+        }
         let frames = args.vtk.as_ref().map(frames).transpose()?;
+        let contacts = args.contacts.as_ref().map(contacts).transpose()?;
         let begin = |path: &'a PathBuf| -> Result<(&'a Path, File)> {
             let file = File::create_new(path);
             let names: Vec<String> =
@@ -115,12 +117,12 @@ impl<'a> Kept<'a> {
         write_sealed(path, &march.state(self.case)?)
     }
 
-    /// Ends the tables, and writes the last state of a simulation that has not exploded.
-    pub(super) fn end(&mut self, march: &dyn OneMarch, end: &End) -> Result<()> {
-        if let Some((path, table)) = self.contacts.take() {
-            table.finish().with_context(|| path.display().to_string())?;
-        }
-        if matches!(end, End::Exploded { .. }) { Ok(()) } else { self.keep_state(march) }
+    /// Writes the last state of a simulation that has not exploded, and ends the tables.
+    pub(super) fn end(&mut self, march: &dyn OneMarch, has_exploded: bool) -> Result<()> {
+        let state = if has_exploded { Ok(()) } else { self.keep_state(march) };
+        let table = self.contacts.take().map(|(path, table)| (path, table.finish()));
+        let table = table.map_or(Ok(()), |(path, ended)| ended.with_context(|| path.display().to_string()));
+        state.and(table)
     }
 
     /// Reports whether the condition was met, if there is one.
@@ -145,6 +147,11 @@ impl<'a> Kept<'a> {
         }
         self.frames.as_ref().map_or(Ok(()), Frames::say)
     }
+}
+
+/// Returns why a file is none of contacts.
+fn refused(path: &Path) -> String {
+    format!("--contacts {}: its name must end in .{}", path.display(), ENDINGS.join(" or ."))
 }
 
 fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {
