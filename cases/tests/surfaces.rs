@@ -265,6 +265,8 @@ fn surfaces_without_meaning_are_refused_by_key() {
         &one("corners_m = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.0, 0.5], [0.0, 0.0, 2.0]]"),
         &["corners_m[2]", "convex"],
     );
+    let star = "corners_m = [[0.000000, 0.0, 1.000000], [0.587785, 0.0, -0.809017], [-0.951057, 0.0, 0.309017], [0.951057, 0.0, 0.309017], [-0.587785, 0.0, -0.809017]]";
+    refused(&one(star), &["more than once"]);
     refused(&one("corners_m = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]"), &["no area"]);
     refused(&one("from_m = [0.5, 0.0]\nto_m = [1.0, 0.0]"), &["from_m", "2 numbers", "must have 3"]);
     refused(&one("radius_m = 1.0"), &["from_m", "corners_m"]);
