@@ -40,5 +40,5 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         write_kept(&folder.join(file), content)?;
     }
     say(format_args!("{}: a case, a plan and a code of your own", folder.display()))?;
-    say(format_args!("    cd {} && gravel bench mine", folder.display()))
+    say(format_args!("    gravel --root {} bench mine", folder.display()))
 }
