@@ -39,7 +39,7 @@ fn path(case: &Case, time_steps: u32) -> (Vec<[Vector2<f64>; 2]>, f64) {
     let step = |_| {
         let next = march.next().unwrap();
         if march.time_steps() < 3 {
-            println!("{:?} {:?} {}", next.sides(), next.frozen.gap, next.frozen.problem.position()[0]);
+            println!("{:?} {:?} {}", next.sides, next.frozen.gap, next.frozen.problem.position()[0]);
         }
         let (out, seen) = march.time_step(&Nsgs::default(), &stop()).unwrap();
         if march.time_steps() < 3 {

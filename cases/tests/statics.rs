@@ -51,6 +51,11 @@ fn a_block_stands_above_the_tangent_of_its_slope() {
 fn what_is_pressed_to_a_wall_stays_where_friction_carries_its_weight() {
     check::<RoughDiscs>("pinched", &[], "scene.friction", 0.25);
     check::<RoughDiscs>("held-at-wall", &[], "scene.friction", 0.5);
+    // Below, it falls by what is left of its weight: 10 N less 40 N or 20 N times the friction, of 1 kg.
+    for (name, left) in [("pinched", 10.0 - 40.0 * 0.2), ("held-at-wall", 10.0 - 20.0 * 0.2)] {
+        let speed = fastest::<RoughDiscs>(name, &[("scene.friction", 0.2)]);
+        assert!((speed / (20.0 * left / 10.0) - 1.0).abs() < 1e-10, "{name}: {speed}");
+    }
 }
 
 #[test]

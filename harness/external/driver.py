@@ -58,6 +58,16 @@ class Run:
             return (a @ a.T).tocsc(), b, sparse.identity(len(b), format="csc"), np.zeros(len(b))
         return sparse.identity(a.shape[1], format="csc"), np.zeros(a.shape[1]), a.tocsc(), -b
 
+    def in_space(self, rows, order=None):
+        """W (sparse, by columns) and b' with so many rows of each contact, in this `order` where it is given, and the places of the problem's
+        rows among them. A tangential row that the problem has not is the identity, without a part in the rest."""
+        a, b = self.unitless()
+        contacts, order = np.arange(len(self.friction)), np.arange(rows) if order is None else np.array(order)
+        taken = (rows * contacts[:, None] + order[: self.rows]).ravel()
+        shape = (rows * len(contacts), len(taken))
+        into = sparse.csr_matrix((np.ones(len(taken)), (taken, np.arange(len(taken)))), shape)
+        return (into @ (a @ a.T) @ into.T + sparse.identity(shape[0]) - into @ into.T).tocsc(), into @ b, taken
+
     @property
     def is_dual(self):
         return "form-dual" in self.words

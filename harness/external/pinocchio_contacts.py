@@ -1,26 +1,18 @@
 """Pinocchio: point contacts in space with Coulomb's law or its convex relaxation, by ADMM or projected Gauss-Seidel on a given W.
 
-A contact's rows are in Pinocchio's order, both tangents before the normal. A tangential row that the problem has not is the identity,
-without a part in the rest.
+A contact's rows are in Pinocchio's order, both tangents before the normal.
 """
 
 import concurrent.futures
 import threading
 
-import numpy as np
 import pinocchio
-import scipy.sparse as sparse
 from driver import Run
 
 run = Run()
-a, b = run.unitless()
-mu = run.friction
-count = len(mu)
-taken = (3 * np.arange(count)[:, None] + np.array([2, 0, 1])[: run.rows]).ravel()
-into = sparse.csr_matrix((np.ones(len(taken)), (taken, np.arange(len(taken)))), (3 * count, len(taken)))
-w = (into @ (a @ a.T) @ into.T + sparse.identity(3 * count) - into @ into.T).tocsc()
+w, b, taken = run.in_space(3, order=[2, 0, 1])
 models, datas, free = pinocchio.StdVec_ConstraintModel(), pinocchio.StdVec_ConstraintData(), pinocchio.Model()
-for of_contact in mu:
+for of_contact in run.friction:
     contact = pinocchio.PointContactConstraintModel(free)
     contact.setFriction(of_contact)
     contact = pinocchio.ConstraintModel(contact)
@@ -40,8 +32,8 @@ settings.max_iterations = run.iterations
 settings.solve_ncp = run.words[1] == "coulomb"
 run.solving()
 # Its Gauss-Seidel copies W to the stack, which 8 MB end at a thousand rows.
-threading.stack_size(2**26 + 8 * (3 * count) ** 2 // 4096 * 4096)
+threading.stack_size(2**26 + 8 * len(b) ** 2 // 4096 * 4096)
 with concurrent.futures.ThreadPoolExecutor(1) as thread:
-    thread.submit(solver.solve, w, into @ b, models, datas, settings, result).result()
+    thread.submit(solver.solve, w, b, models, datas, settings, result).result()
 run.solved()
 run.answer(result.retrieveConstraintImpulses()[taken], result.iterations, "converged" if result.converged else "iteration limit")

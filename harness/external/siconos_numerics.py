@@ -1,12 +1,8 @@
-"""Siconos: the complementarity problem in r', or contacts in the plane (`fc2d`) and in space (`fc3d`), with friction or one of 0.
-
-A tangential row of `fc2d` or `fc3d` that the problem has not is the identity, without a part in the rest.
-"""
+"""Siconos: the complementarity problem in r', or contacts in the plane (`fc2d`) and in space (`fc3d`), with friction or one of 0."""
 
 import warnings
 
 import numpy as np
-import scipy.sparse as sparse
 import siconos.numerics as numerics
 from driver import Run
 
@@ -31,17 +27,14 @@ SOLVERS = {
 }
 
 run = Run()
-a, b = run.unitless()
 kind, (name, storage) = run.words[0].split("-")[0], SOLVERS[run.words[0]]
-rows, count = {"lcp": 1, "fc2d": 2, "fc3d": 3}[kind], len(run.friction)
-taken = (rows * np.arange(count)[:, None] + np.arange(run.rows)).ravel()
-into = sparse.csr_matrix((np.ones(len(taken)), (taken, np.arange(len(taken)))), (rows * count, len(taken)))
-w = into @ (a @ a.T) @ into.T + sparse.identity(rows * count) - into @ into.T
-w, b = w.toarray() if storage == "dense" else w.tocsc(), into @ b
+rows = {"lcp": 1, "fc2d": 2, "fc3d": 3}[kind]
+w, b, taken = run.in_space(rows)
+w = w.toarray() if storage == "dense" else w
 options = numerics.SolverOptions(getattr(numerics, "SICONOS_" + name))
 options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = run.iterations
 options.dparam[numerics.SICONOS_DPARAM_TOL] = run.tolerance
-r, v = np.zeros(rows * count), np.zeros(rows * count)
+r, v = np.zeros(len(b)), np.zeros(len(b))
 if kind == "lcp":
     problem, solve = numerics.LCP(w, b), numerics.linearComplementarity_driver
 else:

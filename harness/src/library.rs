@@ -9,7 +9,7 @@ use crate::problems::{CaseProblem, Problem};
 use crate::root::{Root, is_toml, stem};
 use crate::run::{Recorder, asked, in_the_pool, outcome, to_json};
 use crate::store::runs_folder;
-use crate::terminal::{exit, prepare_place, write_whole};
+use crate::terminal::{exit, prepare_new, write_whole};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use cases::{AnyFrozen, check_name};
 use clap::Parser;
@@ -107,8 +107,7 @@ pub fn freeze(
     stops: impl Fn() -> bool + Send + Sync,
 ) -> Result<(), String> {
     let write = || -> Result<()> {
-        ensure!(!output.exists(), "{} exists: give another file", output.display());
-        prepare_place(output)?;
+        prepare_new(output)?;
         let problem = stem(output);
         check_name(&problem).map_err(|why| anyhow!("{}: the problem's {why}", output.display()))?;
         let mut frozen = marched(&root()?.case(name)?, scene, time_step, &stops)?;

@@ -6,6 +6,9 @@ use polars::prelude::{AnyValue, Column, DataFrame, DataType, PolarsError, Polars
 use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
 
 /// A field by its name.
 type Field = (String, Value);
@@ -133,6 +136,35 @@ pub fn cells(row: &impl Serialize) -> PolarsResult<Vec<(String, String)>> {
         })
     };
     flat(row)?.into_iter().map(|(name, value)| Ok((name, text(value)?))).collect()
+}
+
+/// Table of CSV that grows row by row, so that a program that is killed leaves what it wrote.
+pub struct CsvRows(File);
+
+impl CsvRows {
+    /// Begins a table, in a file that is not there, with the columns of a row like that of [`cells`].
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn begin(path: &Path, like: Vec<(String, String)>) -> io::Result<Self> {
+        let mut file = File::create_new(path)?;
+        let names: Vec<String> = like.into_iter().map(|(name, _)| name).collect();
+        writeln!(file, "{}", names.join(","))?;
+        Ok(Self(file))
+    }
+
+    /// Adds rows in one write, so that no half row is left.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    pub fn add(&mut self, rows: impl IntoIterator<Item = Vec<(String, String)>>) -> io::Result<()> {
+        let line = |row: Vec<(String, String)>| {
+            row.into_iter().map(|(_, value)| value).collect::<Vec<_>>().join(",") + "\n"
+        };
+        self.0.write_all(rows.into_iter().map(line).collect::<String>().as_bytes())
+    }
 }
 
 /// Values of a column.

@@ -1,6 +1,6 @@
 //! Contacts of a simulation: a row for each contact of a time step, in a table that grows while time goes on.
 
-use crate::columns::{cells, table};
+use crate::columns::{CsvRows, cells, table};
 use crate::name::{self, Name};
 use crate::whole::Unfinished;
 use cases::Side;
@@ -9,7 +9,6 @@ use polars::io::parquet::write::BatchedWriter;
 use polars::prelude::{DataFrame, ParquetWriter, PolarsResult};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::Write;
 use std::path::Path;
 
 /// A contact after a time step, with its impulse. The normal points from the antagonist to the candidate, and vectors act on the candidate.
@@ -53,7 +52,7 @@ pub struct ContactForce {
     /// μ (–).
     #[serde(with = "number")]
     pub friction: f64,
-    /// Normal impulse of the time step, not negative (N·s). Over the time step it is the mean force.
+    /// Normal impulse of the time step, not negative (N·s). Divided by the time step it is the mean force.
     #[serde(with = "number")]
     pub normal_impulse_n_s: f64,
     /// Tangential impulse (N·s): of discs along [−`n_y`, `n_x`], with its sign; between spheres its size; 0 without friction.
@@ -168,38 +167,47 @@ const AT_ONCE: usize = 1 << 16;
 pub struct ContactTable(Kind);
 
 enum Kind {
-    Csv(File),
+    Csv(CsvRows),
     Parquet { unfinished: Unfinished, writer: Box<BatchedWriter<File>>, rows: Vec<ContactForce> },
 }
 
-/// Endings of the names of tables.
-pub const ENDINGS: [&str; 2] = ["csv", "parquet"];
+/// Format of a table.
+#[derive(Clone, Copy, Debug)]
+pub enum ContactFormat {
+    /// CSV.
+    Csv,
+    /// Parquet.
+    Parquet,
+}
+
+impl ContactFormat {
+    /// Returns the format of a file by the ending of its name, `.csv` or `.parquet`.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()? {
+            "csv" => Some(Self::Csv),
+            "parquet" => Some(Self::Parquet),
+            _ => None,
+        }
+    }
+}
 
 impl ContactTable {
-    /// Begins a table in a file that is not there; `None` if the ending of its name is none of [`ENDINGS`].
+    /// Begins a table in a file that is not there.
     ///
     /// # Errors
     ///
     /// Those of the system.
-    pub fn begin(path: &Path) -> PolarsResult<Option<Self>> {
-        let ending = path.extension().and_then(|ending| ending.to_str());
-        Ok(Some(Self(match ending {
-            Some("csv") => {
-                let mut file = File::create_new(path)?;
-                let names: Vec<String> =
-                    cells(&ContactForce::default())?.into_iter().map(|(name, _)| name).collect();
-                writeln!(file, "{}", names.join(","))?;
-                Kind::Csv(file)
-            }
-            Some("parquet") => {
+    pub fn begin(path: &Path, format: ContactFormat) -> PolarsResult<Self> {
+        Ok(Self(match format {
+            ContactFormat::Csv => Kind::Csv(CsvRows::begin(path, cells(&ContactForce::default())?)?),
+            ContactFormat::Parquet => {
                 let unfinished = Unfinished::beside(path)?;
                 let writer = ParquetWriter::new(unfinished.handle()?);
                 let columns = table::<ContactForce>([])?;
                 let writer = Box::new(writer.batched(columns.schema())?);
                 Kind::Parquet { unfinished, writer, rows: Vec::new() }
             }
-            _ => return Ok(None),
-        })))
+        }))
     }
 
     /// Adds the rows of a time step.
@@ -209,15 +217,7 @@ impl ContactTable {
     /// Those of the system.
     pub fn add(&mut self, new: Vec<ContactForce>) -> PolarsResult<()> {
         match &mut self.0 {
-            Kind::Csv(file) => {
-                // In one write, so that no half row is left.
-                let mut text = String::new();
-                for row in &new {
-                    let values: Vec<String> = cells(row)?.into_iter().map(|(_, value)| value).collect();
-                    text += &(values.join(",") + "\n");
-                }
-                Ok(file.write_all(text.as_bytes())?)
-            }
+            Kind::Csv(file) => Ok(file.add(new.iter().map(cells).collect::<PolarsResult<Vec<_>>>()?)?),
             Kind::Parquet { writer, rows, .. } => {
                 rows.extend(new);
                 if rows.len() >= AT_ONCE { write(writer, rows) } else { Ok(()) }
@@ -247,10 +247,11 @@ fn write(writer: &mut BatchedWriter<File>, rows: &mut Vec<ContactForce>) -> Pola
 
 #[cfg(test)]
 mod tests {
-    use super::{Body, ContactForce, ContactStatus, ContactTable};
+    use super::{Body, ContactForce, ContactFormat, ContactStatus, ContactTable};
     use crate::columns::rows;
     use polars::prelude::{ParquetReader, SerReader};
     use std::fs::{self, File};
+    use std::path::Path;
 
     fn row(candidate: u32) -> ContactForce {
         let (segment, status) = (Some(7), ContactStatus::Slides);
@@ -264,11 +265,15 @@ mod tests {
         }
     }
 
+    fn begun(path: &Path) -> ContactTable {
+        ContactTable::begin(path, ContactFormat::of(path).unwrap()).unwrap()
+    }
+
     #[test]
     fn parquet_holds_the_rows_of_all_time_steps_and_is_not_there_before_its_end() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("contacts.parquet");
-        let mut table = ContactTable::begin(&path).unwrap().unwrap();
+        let mut table = begun(&path);
         table.add(vec![row(1), row(2)]).unwrap();
         table.add(Vec::new()).unwrap();
         table.add(vec![row(3)]).unwrap();
@@ -283,10 +288,10 @@ mod tests {
     fn csv_is_there_at_any_moment_and_another_ending_makes_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("contacts.csv");
-        let mut table = ContactTable::begin(&path).unwrap().unwrap();
+        let mut table = begun(&path);
         table.add(vec![row(1)]).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 2);
-        assert!(ContactTable::begin(&folder.path().join("contacts.txt")).unwrap().is_none());
+        assert!(ContactFormat::of(&folder.path().join("contacts.txt")).is_none());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -9,6 +9,7 @@ use super::drawn::outline;
 use super::seeker::{Near, Seeker};
 use crate::detect::{DetectedContact, Side};
 use crate::scene::Scene;
+use crate::scene::beside::Approach;
 use crate::scene::driven::Driven;
 use crate::scene::segments::Segment;
 use crate::scene::walls::WallMotion;
@@ -68,7 +69,7 @@ impl<'s, P: Place> PlacedLid<'s, P> {
 }
 
 /// A driven segment where contacts are sought.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct DrivenSegment<'s, P> {
     segment: &'s Segment,
     side: Side,
@@ -76,9 +77,9 @@ pub(crate) struct DrivenSegment<'s, P> {
     body: u32,
     /// Unit vector along which it moves (–).
     along: P,
-    /// Displacement since time began (m).
-    moved: P,
-    /// Part of this since contacts were sought last, or since time began (m).
+    /// Its corners, or its two ends (m).
+    corners: Vec<P>,
+    /// Displacement since contacts were sought last, or since time began (m).
     came: P,
 }
 
@@ -91,16 +92,17 @@ impl<'s, P: Place> DrivenSegment<'s, P> {
             let along = driven.along::<P>();
             let moved = along * along.dot_product(bodies[body as usize] - segment.middle());
             let came = along * along.dot_product(came(body));
-            Self { segment, side: Side::Driven(body, number), body, along, moved, came }
+            let corners = segment.corners_at(moved);
+            Self { segment, side: Side::Driven(body, number), body, along, corners, came }
         };
         scene.driven().zip(first as u32..).map(placed).collect()
     }
 
     /// Its contact with a grain.
     pub(crate) fn near(&self, seeker: &Seeker<P>) -> Option<Near<P>> {
-        let ends = self.segment.corners_at(self.moved);
-        let disc = (seeker.place, seeker.radius);
-        let beside = self.segment.beside(&ends, seeker.came - self.came, disc, seeker.reach)?;
+        let Seeker { place, radius, reach, .. } = *seeker;
+        let grain = Approach { place, radius, came: seeker.came - self.came, reach };
+        let beside = self.segment.beside(&self.corners, grain)?;
         seeker.meets(self.side, (beside.towards(), beside.gap), || WallMotion::NONE)
     }
 
@@ -117,6 +119,6 @@ impl<'s, P: Place> DrivenSegment<'s, P> {
 
     /// Draws it.
     pub(crate) fn drawn(&self) -> Vec<(Side, Vec<P>)> {
-        outline(self.segment, self.side, &self.segment.corners_at(self.moved))
+        outline(self.segment, self.side, &self.corners)
     }
 }

@@ -11,7 +11,7 @@
 use super::seeker::{Near, Seeker};
 use crate::detect::Side;
 use crate::scene::Scene;
-use crate::scene::beside::{Beside, End, inwards, nearest_of};
+use crate::scene::beside::{Approach, Beside, End, inwards, nearest_of};
 use crate::scene::segments::{Segment, Shape};
 use crate::scene::walls::{MovingWall, WallMotion, Walls};
 use contact::Place;
@@ -76,7 +76,8 @@ fn ends_on(scene: &Scene, segment: &Segment, end: usize) -> Vec<Other> {
     let on_others = others.filter(|(_, other)| segment.moves_as(other)).filter_map(|(number, other)| {
         let room = TOGETHER * size(segment).min(size(other));
         let ends = other.corners_at::<Vector2<f64>>(Vector2::zeros());
-        let is_on = other.beside(&ends, Vector2::zeros(), (point, -other.radius_m), room).is_some();
+        let is_on =
+            other.beside(&ends, Approach { reach: room, ..Approach::at(point, -other.radius_m) }).is_some();
         let at = ends.iter().position(|end| (end - point).norm() <= room);
         is_on.then_some(Other::Segment(number, at))
     });
@@ -303,8 +304,8 @@ struct Nearer<P> {
 impl<P: Place> Placed<'_, P> {
     /// Checks that a point lies on the segment, to within a `room` (m).
     fn is_beneath(&self, point: P, room: f64) -> bool {
-        let grain = (point, -self.segment.half_thickness());
-        let beside = self.segment.beside(&self.ends, P::ZERO, grain, f64::INFINITY);
+        let grain = Approach::at(point, -self.segment.half_thickness());
+        let beside = self.segment.beside(&self.ends, grain);
         beside.is_some_and(|beside| beside.between.length() <= room)
     }
 
@@ -316,7 +317,7 @@ impl<P: Place> Placed<'_, P> {
             }
             _ => disc.came - self.came,
         };
-        self.segment.beside(&self.ends, came, (disc.place, disc.radius), reach)
+        self.segment.beside(&self.ends, Approach { came, reach, ..Approach::at(disc.place, disc.radius) })
     }
 
     /// Returns the free motion of a grain as the segment sees it where they touch (m).
@@ -338,7 +339,7 @@ impl<P: Place> Placed<'_, P> {
         let point = disc.place - normal * (disc.radius + gap);
         let velocity = (self.segment.carried(point, *now, *then) - point) / span;
         let along = disc.ahead - normal * normal.dot_product(disc.ahead);
-        let there = self.segment.beside(ends, P::ZERO, (disc.place + along, disc.radius), f64::INFINITY);
+        let there = self.segment.beside(ends, Approach::at(disc.place + along, disc.radius));
         let sliding = WallMotion::sliding(velocity, normal);
         let Some(there) = there.map(|there| there.gap) else { return sliding };
         if self.segment.shape() == Shape::Hollow && there < gap {

@@ -11,17 +11,12 @@ pub struct TimeStep<M: Mechanics = Discs> {
     /// The problem, with the impulses of the time step before as its start.
     pub frozen: Frozen<M>,
     /// The antagonist of each contact.
-    pub(crate) sides: Vec<Side>,
+    pub sides: Vec<Side>,
     /// Terms that the law added to the offset of each.
     pub(crate) terms: Vec<Terms>,
 }
 
 impl<M: Mechanics> TimeStep<M> {
-    /// The antagonist of each contact.
-    pub fn sides(&self) -> &[Side] {
-        &self.sides
-    }
-
     /// Terms that the law added to the offset of each contact.
     pub(crate) fn terms(&self) -> &[Terms] {
         &self.terms

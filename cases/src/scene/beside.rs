@@ -4,6 +4,26 @@ use crate::scene::segments::{Segment, Shape, centroid};
 use contact::Place;
 use nalgebra::Vector3;
 
+/// A grain that may touch a segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach<P> {
+    /// Its centre (m).
+    pub(crate) place: P,
+    /// Its radius (m).
+    pub(crate) radius: f64,
+    /// Displacement since contacts were detected last, as the segment sees it (m).
+    pub(crate) came: P,
+    /// The greatest gap that matters (m).
+    pub(crate) reach: f64,
+}
+
+impl<P: Place> Approach<P> {
+    /// Returns a grain that has not moved, at any distance.
+    pub(crate) fn at(place: P, radius: f64) -> Self {
+        Self { place, radius, came: P::ZERO, reach: f64::INFINITY }
+    }
+}
+
 /// A grain beside a segment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beside<P> {
@@ -58,33 +78,21 @@ fn is_within(room: f64, from: f64, to: f64, before: f64, after: f64) -> bool {
 }
 
 impl Segment {
-    /// Locates a grain beside the segment with these corners or ends, if their surfaces are within `reach` (m). Seen from the segment the
-    /// grain `came` this way since contacts were detected last (m).
-    pub(crate) fn beside<P: Place>(
-        &self,
-        corners: &[P],
-        came: P,
-        grain: (P, f64),
-        reach: f64,
-    ) -> Option<Beside<P>> {
+    /// Locates a grain beside the segment with these corners or ends (m), if their surfaces are within its reach.
+    pub(crate) fn beside<P: Place>(&self, corners: &[P], grain: Approach<P>) -> Option<Beside<P>> {
         match self.shape() {
-            Shape::Line => self.beside_line([corners[0], corners[1]], came, grain, reach),
-            Shape::Polygon => self.beside_polygon(corners, came, grain, reach),
-            Shape::Hollow => self.beside_hollow([corners[0], corners[1]], came, grain, reach),
+            Shape::Line => self.beside_line([corners[0], corners[1]], grain),
+            Shape::Polygon => self.beside_polygon(corners, grain),
+            Shape::Hollow => self.beside_hollow([corners[0], corners[1]], grain),
         }
     }
 
-    fn beside_line<P: Place>(
-        &self,
-        [from, to]: [P; 2],
-        came: P,
-        (position, radius): (P, f64),
-        reach: f64,
-    ) -> Option<Beside<P>> {
+    fn beside_line<P: Place>(&self, [from, to]: [P; 2], grain: Approach<P>) -> Option<Beside<P>> {
+        let Approach { place, radius, came, reach } = grain;
         let along = to - from;
         let squared = along.dot_product(along);
-        let share = if squared > 0.0 { (position - from).dot_product(along) / squared } else { 0.0 };
-        let between = position - (from + along * share.clamp(0.0, 1.0));
+        let share = if squared > 0.0 { (place - from).dot_product(along) / squared } else { 0.0 };
+        let between = place - (from + along * share.clamp(0.0, 1.0));
         let touching = radius + self.radius_m;
         // Most are too far: no square root for them.
         if between.dot_product(between) > (touching + reach) * (touching + reach) {
@@ -96,7 +104,7 @@ impl Segment {
         let line = (squared > 0.0 && P::LEN == 2).then(|| {
             let length = squared.sqrt();
             let upwards = P::of([-along[1], along[0], 0.0]) / length;
-            let height = upwards.dot_product(position - from);
+            let height = upwards.dot_product(place - from);
             let before = height - upwards.dot_product(came);
             let room = PASSED * touching / length;
             let passed = is_within(room, share - came.dot_product(along) / squared, share, before, height);
@@ -111,24 +119,19 @@ impl Segment {
         (gap <= reach).then_some(Beside { end, between, distance, normal, touching, gap })
     }
 
-    fn beside_polygon<P: Place>(
-        &self,
-        corners: &[P],
-        came: P,
-        (position, radius): (P, f64),
-        reach: f64,
-    ) -> Option<Beside<P>> {
+    fn beside_polygon<P: Place>(&self, corners: &[P], grain: Approach<P>) -> Option<Beside<P>> {
+        let Approach { place, radius, came, reach } = grain;
         let touching = radius + self.radius_m;
-        let upwards = P::of(area(&in_space(corners)).normalize().into());
-        let height = upwards.dot_product(position - corners[0]);
+        let upwards = P::of(area(corners).normalize().into());
+        let height = upwards.dot_product(place - corners[0]);
         let before = height - upwards.dot_product(came);
         // Most are too far: the rest is for the few that are near its plane, or cross it.
         if height.abs() > touching + reach && before * height > 0.0 {
             return None;
         }
-        let foot = position - upwards * height;
+        let foot = place - upwards * height;
         let (nearest, end) = nearest_of(corners, upwards, foot);
-        let between = position - nearest;
+        let between = place - nearest;
         let distance = between.length();
         let crossing = || {
             let there = foot - (came - upwards * came.dot_product(upwards)) * (height / (height - before));
@@ -141,26 +144,21 @@ impl Segment {
         (gap <= reach).then_some(Beside { end, between, distance, normal, touching, gap })
     }
 
-    fn beside_hollow<P: Place>(
-        &self,
-        [from, to]: [P; 2],
-        came: P,
-        (position, radius): (P, f64),
-        reach: f64,
-    ) -> Option<Beside<P>> {
+    fn beside_hollow<P: Place>(&self, [from, to]: [P; 2], grain: Approach<P>) -> Option<Beside<P>> {
+        let Approach { place, radius, came, reach } = grain;
         let along = to - from;
         let length = along.length();
         let axis = along / length;
-        let polar = |place: P| {
-            let height = axis.dot_product(place - from);
-            let across = place - from - axis * height;
+        let polar = |there: P| {
+            let height = axis.dot_product(there - from);
+            let across = there - from - axis * height;
             (height, across, across.length())
         };
-        let (height, across, distance) = polar(position);
-        let (before, _, distance_before) = polar(position - came);
+        let (height, across, distance) = polar(place);
+        let (before, _, distance_before) = polar(place - came);
         let out = if distance > 0.0 { across / distance } else { any_across(axis) };
         let level = height.clamp(0.0, length);
-        let between = position - (from + axis * level + out * self.radius_m);
+        let between = place - (from + axis * level + out * self.radius_m);
         let to_surface = between.length();
         let [was_inside, is_inside] = [distance_before, distance].map(|distance| distance < self.radius_m);
         let room = PASSED * radius;
@@ -184,14 +182,11 @@ fn any_across<P: Place>(axis: P) -> P {
     P::of(contact::frame(&Vector3::from(axis.space()))[0].into())
 }
 
-fn in_space<P: Place>(points: &[P]) -> Vec<Vector3<f64>> {
-    points.iter().map(|point| Vector3::from(point.space())).collect()
-}
-
 /// Returns twice the area of a polygon, as a vector across it (m²).
-pub(crate) fn area(corners: &[Vector3<f64>]) -> Vector3<f64> {
+pub(crate) fn area<P: Place>(corners: &[P]) -> Vector3<f64> {
+    let from_first = |corner: &P| Vector3::from((*corner - corners[0]).space());
     let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(corner, next)| (corner - corners[0]).cross(&(next - corners[0]))).sum()
+    corners.iter().zip(next).map(|(corner, next)| from_first(corner).cross(&from_first(next))).sum()
 }
 
 /// Returns the point of a convex polygon with this unit normal that is nearest to a place in its plane (m), and the part of the boundary

@@ -91,8 +91,9 @@ impl March {
         scene: Vec<(String, String)>,
         request: String,
         restart: Option<PathBuf>,
+        state: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let simulation = Simulation::new(&name, &scene, &request, restart.as_deref());
+        let simulation = Simulation::new(&name, &scene, &request, restart.as_deref(), state);
         Ok(Self(Arc::new(Mutex::new(simulation.map_err(PyValueError::new_err)?))))
     }
 
@@ -131,8 +132,8 @@ impl March {
         self.with(|simulation| simulation.warnings())
     }
 
-    fn save(&self, path: PathBuf) -> PyResult<()> {
-        self.with(|simulation| simulation.save(&path)).map_err(PyValueError::new_err)
+    fn save(&self) -> PyResult<()> {
+        self.with(|simulation| simulation.save()).map_err(PyValueError::new_err)
     }
 }
 

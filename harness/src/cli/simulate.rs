@@ -8,7 +8,7 @@ use crate::plan::{Method, Rule};
 use crate::problems::{Once, read_case, warn};
 use crate::root::Root;
 use crate::run::{End, Seen, Until, Watch, missed, through_time};
-use crate::terminal::{check_apart, exit, merged, prepare_place, say, write_sealed};
+use crate::terminal::{check_apart, exit, merged, prepare_new, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case, Start};
 use lineup::march;
@@ -72,10 +72,7 @@ const HEADING: &str =
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let files = [("--output", &args.output), ("--state", &args.state), ("--contacts", &args.contacts)];
     for file in files.iter().filter_map(|(_, file)| file.as_ref()) {
-        if file.exists() {
-            bail!("{} exists: give another file", file.display());
-        }
-        prepare_place(file)?;
+        prepare_new(file)?;
     }
     if let (Some(every), None, None, None) = (args.every, &args.vtk, &args.contacts, &args.state) {
         bail!("--every {every}: it asks for --vtk, --contacts or --state");

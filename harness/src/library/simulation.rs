@@ -4,8 +4,8 @@ use super::{root, wrong_key};
 use crate::plan::{Method, Rule};
 use crate::problems::read_case;
 use crate::run::{End, Seen, Until, Watch, contact_forces, in_the_pool, missed, observed, through_time};
-use crate::terminal::{prepare_place, write_sealed};
-use anyhow::{Result, anyhow, ensure};
+use crate::terminal::{prepare_new, write_sealed};
+use anyhow::{Context, Result, anyhow};
 use cases::{Case, Start};
 use lineup::{OneMarch, march};
 use results::columns::{Values, lists};
@@ -15,7 +15,7 @@ use runner::Stop;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Request for a simulation: method, settings, stop rule of each time step, condition.
 #[derive(Deserialize)]
@@ -37,6 +37,8 @@ pub struct Simulation {
     method: Method,
     rule: Rule,
     watch: Option<Watch>,
+    /// File of its state, if that is asked for.
+    state: Option<PathBuf>,
     totals: Totals,
 }
 
@@ -70,7 +72,7 @@ pub struct Bodies {
 }
 
 impl Simulation {
-    /// Begins a simulation of a case with values replaced, or resumes one from the file of a state.
+    /// Begins a simulation of a case with values replaced, or resumes one from the file of a state; it will be saved in the file `state`.
     ///
     /// # Errors
     /// Says what `gravel` would print.
@@ -79,8 +81,12 @@ impl Simulation {
         scene: &[(String, String)],
         request: &str,
         restart: Option<&Path>,
+        state: Option<PathBuf>,
     ) -> Result<Self, String> {
         let begin = || -> Result<Self> {
+            if let Some(file) = &state {
+                prepare_new(file).context("`state`")?;
+            }
             let root = root()?;
             let request: Value = serde_json::from_str(request)?;
             let request: Request =
@@ -101,7 +107,7 @@ impl Simulation {
             let scale = (case.scene.gravity_m_per_s2, march.mean_diameter(), case.scene.time_step_s);
             let watch = request.until.map(|until| Watch::new(until, request.over, scale)).transpose()?;
             let rule = Rule { stop: request.stop, warm_start: request.start };
-            Ok(Self { case, march, method, rule, watch, totals: Totals::default() })
+            Ok(Self { case, march, method, rule, watch, state, totals: Totals::default() })
         };
         begin().map_err(|error| crate::in_one_paragraph(&error))
     }
@@ -189,14 +195,14 @@ impl Simulation {
         self.march.walls().into_iter().map(|(_, corners)| corners).collect()
     }
 
-    /// Writes its state, whole or not at all.
+    /// Writes its state where that was asked for, whole or not at all.
     ///
     /// # Errors
     /// Says what `gravel` would print.
-    pub fn save(&self, path: &Path) -> Result<(), String> {
+    pub fn save(&self) -> Result<(), String> {
+        let Some(path) = &self.state else { return Ok(()) };
         let write = || -> Result<()> {
-            ensure!(!path.exists(), "{} exists: give another file", path.display());
-            prepare_place(path)?;
+            prepare_new(path)?;
             write_sealed(path, &self.march.state(&self.case)?)
         };
         write().map_err(|error| crate::in_one_paragraph(&error))

@@ -50,6 +50,14 @@ pub(crate) fn prepare_place(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Prepares the place of a file, as [`prepare_place`] does, and refuses one that is there.
+pub(crate) fn prepare_new(path: &Path) -> Result<()> {
+    if path.exists() {
+        bail!("{} exists: give another file", path.display());
+    }
+    prepare_place(path)
+}
+
 /// Refuses two files, each named by its argument, that are one: the second would replace the first.
 pub(crate) fn check_apart(files: &[(&str, &Path)]) -> Result<()> {
     for (k, (argument, path)) in files.iter().enumerate() {

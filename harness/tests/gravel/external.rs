@@ -221,7 +221,7 @@ fn other_codes_leave_little_of_coulombs_law() {
     }
 }
 
-/// What is left of the law where nothing slides is the softness of its contacts, the same with each solver.
+/// Where nothing slides its error is the softness of its contacts, the same with each solver.
 #[test]
 fn mujoco_comes_as_near_as_its_softness_allows() {
     if !other_codes().contains(&("mujoco".to_owned(), true)) {

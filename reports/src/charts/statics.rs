@@ -22,7 +22,8 @@ const WRONG: f64 = 1.0;
 
 const NOTE: &str = "\nGreatest distance of a grain from where statics or a constant acceleration puts it, over the time simulated (µm/s): where the scene \
                     stands, how fast it creeps. Of several scenes the worst. Start: warm from the impulses of the time step before, cold \
-                    from none. A dash: not simulated, or not to the end.\n";
+                    from none. A dash: not simulated, or not to the end. Missed: tolerances that a time step \
+                    missed.\n";
 
 /// The exact answer of a scene: it stands from some μ on, and below moves with a constant acceleration where that is known.
 struct Exact {
@@ -82,7 +83,7 @@ struct Judged<'s> {
     simulation: &'s Simulation,
     friction: f64,
     stands: bool,
-    /// Distance from the exact answer over the time (µm/s); none if it was not simulated to its end.
+    /// Distance from the exact answer over the time (µm/s); none if it was not simulated to its end, or not measured.
     error: Option<f64>,
 }
 
@@ -101,6 +102,7 @@ impl<'s> Judged<'s> {
             let moved = 0.5 * acceleration * row.time_s * row.time_s;
             MICRO * (row.greatest_displacement_m - moved).abs() / row.time_s
         });
+        let error = error.filter(|error| error.is_finite());
         Some(Self { simulation, friction, stands, error })
     }
 
@@ -144,17 +146,27 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
             parts.push(Part::figure(name, creep(&judged, &looks, warm)));
         }
     }
-    if judged.iter().any(|one| one.simulation.case() == "block-on-slope") {
+    if judged.iter().any(|one| one.simulation.case() == "block-on-slope" && one.simulation.warm_start) {
         parts.push(Part::figure(format!("{KEY}-boundary"), boundary(&judged)));
     }
     parts.push(Part::table(KEY, table(&judged), NOTE));
     parts
 }
 
-/// Returns the greatest error of the simulations that `are` (µm/s); `None` if there are none, or one came to no end.
-fn worst<'j>(judged: &'j [Judged], are: impl Fn(&Judged) -> bool + 'j) -> Option<f64> {
-    let errors: Option<Vec<f64>> = judged.iter().filter(|one| are(one)).map(|one| one.error).collect();
-    errors?.into_iter().reduce(f64::max)
+/// The worst of some simulations.
+struct Worst {
+    /// Greatest error (µm/s).
+    error: f64,
+    /// Set where a time step of one of them missed its tolerance.
+    missed: bool,
+}
+
+/// Returns the worst of the simulations that `are`; `None` if there are none, or one came to no end.
+fn worst(judged: &[Judged], are: impl Fn(&Judged) -> bool) -> Option<Worst> {
+    let of: Vec<&Judged> = judged.iter().filter(|one| are(one)).collect();
+    let errors: Option<Vec<f64>> = of.iter().map(|one| one.error).collect();
+    let error = errors?.into_iter().reduce(f64::max)?;
+    Some(Worst { error, missed: of.iter().any(|one| !one.simulation.is_solved()) })
 }
 
 /// Creep against tolerance of simulations that began each time step warm, or cold: a panel for each group that stands.
@@ -169,7 +181,8 @@ fn creep(judged: &[Judged], looks: &[(String, Look)], warm: bool) -> String {
                     let is_of_group = one.group() == *group && one.simulation.label() == *label;
                     is_of_group && start == warm && one.simulation.tolerance == *tolerance
                 };
-                worst(judged, of).map(|error| (Ending::Converged, (log(*tolerance), log(error.max(LEAST)))))
+                let worst = worst(judged, of).filter(|worst| !worst.missed)?;
+                Some((Ending::Converged, (log(*tolerance), log(worst.error.max(LEAST)))))
             };
             let points: Points = tolerances.iter().filter_map(at).collect();
             Curve::new(label.clone(), Look { mark, ..*look }, points, Through::Points)
@@ -183,7 +196,10 @@ fn creep(judged: &[Judged], looks: &[(String, Look)], warm: bool) -> String {
     let start = if warm { "from the impulses of the one before" } else { "from none" };
     let title = vec![
         format!("Creep of what stands (µm/s), each time step begun {start}"),
-        format!("On the lower edge: {} µm/s and less", number(LEAST, 1)),
+        format!(
+            "On the lower edge: {} µm/s and less; left out where a time step missed its tolerance",
+            number(LEAST, 1)
+        ),
     ];
     Plot { title, panels, ..Plot::default() }.svg()
 }
@@ -210,7 +226,7 @@ fn boundary(judged: &[Judged]) -> String {
             Curve::of("exact: it stands above tan(slope)", exact, line, Through::Points),
             of("stands", Mark::Disc, FRAME, &|one| one.stands && !wrong(one)),
             of("slides", Mark::Ring, FRAME, &|one| !one.stands && !wrong(one)),
-            of("off by more than 1 µm/s", Mark::Cross, BEST, &wrong),
+            of("off by more than 1 µm/s, or not simulated to its end", Mark::Cross, BEST, &wrong),
         ];
         Panel::new(
             Side::new(Scale::Share, "slope (rad)"),
@@ -220,7 +236,7 @@ fn boundary(judged: &[Judged]) -> String {
     };
     let panels = unique(sweep().map(|one| one.simulation.label())).into_iter().map(panel).collect();
     let title = vec![format!(
-        "A block on a slope: what stands and what slides, to a natural map of {}, warm",
+        "A block on a slope: what stands and what slides, at a tolerance of {}, begun warm",
         number(tolerance, 1)
     )];
     Plot { title, panels, ..Plot::default() }.svg()
@@ -241,17 +257,30 @@ fn table(judged: &[Judged]) -> DataFrame {
         "method" => text(&|_, label, _| label.to_owned()),
         "start" => text(&|_, _, warm| if warm { "warm" } else { "cold" }.to_owned()),
     ));
+    let mut missed = vec![Vec::new(); keys.len()];
+    let mut add = |name: String, column: Column| {
+        table.with_column(column.with_name(name.into())).expect("columns are as long");
+    };
     for tolerance in rising(judged.iter().map(|one| one.simulation.tolerance)).into_iter().rev() {
         let at = |(group, label, warm): &(Group, String, bool)| {
             worst(judged, |one| {
                 key(one) == (*group, label.clone(), *warm) && one.simulation.tolerance == tolerance
             })
         };
-        let column: Vec<Option<f64>> = keys.iter().map(at).collect();
-        table
-            .with_column(Column::new(format!("at {}", number(tolerance, 1)).into(), column))
-            .expect("columns are as long");
+        let column: Vec<Option<Worst>> = keys.iter().map(at).collect();
+        for (missed, _) in missed
+            .iter_mut()
+            .zip(&column)
+            .filter(|(_, worst)| worst.as_ref().is_some_and(|worst| worst.missed))
+        {
+            missed.push(number(tolerance, 1));
+        }
+        let errors: Vec<Option<f64>> = column.into_iter().map(|worst| Some(worst?.error)).collect();
+        add(format!("at {}", number(tolerance, 1)), Column::new("".into(), errors));
     }
+    let missed: Vec<Option<String>> =
+        missed.into_iter().map(|missed| (!missed.is_empty()).then(|| missed.join(", "))).collect();
+    add("missed".to_owned(), Column::new("".into(), missed));
     table
 }
 

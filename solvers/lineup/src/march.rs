@@ -4,7 +4,7 @@ use crate::facts::facts;
 use crate::form::Form;
 use crate::methods::Ours;
 use anyhow::Result;
-use cases::{AnyFrozen, Case, CaseError, March, Observables, Side, Start};
+use cases::{AnyFrozen, Case, CaseError, March, Observables, Side, Start, TimeStep};
 use contact::{Place, Vector};
 use runner::{Outcome, Stop};
 use std::path::Path;
@@ -149,8 +149,8 @@ impl<M: Form> OneMarch for March<M> {
         let solver = ours.engine_of(&facts::<M>(0, 0).in_words())?.solver();
         let time_step = self.next()?;
         let solved = self.solve(&time_step, solver, stop, start, halt);
-        let sides = time_step.sides().to_vec();
-        Ok(Attempt { frozen: time_step.frozen.into(), sides, solved })
+        let TimeStep { frozen, sides, .. } = time_step;
+        Ok(Attempt { frozen: frozen.into(), sides, solved })
     }
 
     #[expect(clippy::type_complexity, reason = "the lists of the grains, zipped")]

@@ -231,13 +231,10 @@ def simulate(
     for name, count in (("time_steps", time_steps), ("every", every)):
         if count is not None and not (isinstance(count, numbers.Integral) and count > 0):
             raise ValueError(f"`{name}` is {count!r}: it must be a whole number, and positive")
-    if state is not None and Path(state).exists():
-        raise ValueError(f"`state`: {state} exists: give another file")
-    if state is not None and not Path(state).absolute().parent.is_dir():
-        raise ValueError(f"`state`: {state}: there is no folder {Path(state).absolute().parent}")
     request = {"method": method, "settings": _listed(settings), "stop": _stop(on, tolerance, max_iterations), "start": start}
     request |= {"until": until, "over": None if over is None else _listed(over, "over")}
-    march = _native.March(str(case), _changes(scene), json.dumps(_listed(request)), None if restart is None else Path(restart))
+    files = [None if file is None else Path(file) for file in (restart, state)]
+    march = _native.March(str(case), _changes(scene), json.dumps(_listed(request)), *files)
     for warning in march.warnings():
         warnings.warn(f"{case}: {warning}", stacklevel=2)
     frames, parts, left = [_frame_of(march, None)], [], int(time_steps)
@@ -255,8 +252,8 @@ def simulate(
             if told["status"] != "completed" or told["is_met"]:
                 break
     finally:
-        if state is not None and told.get("status", "completed") == "completed":
-            march.save(Path(state))
+        if told.get("status", "completed") == "completed":
+            march.save()
     series = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     status, reason, is_met = (told.pop(key) for key in ("status", "reason", "is_met"))
     return Simulation(status=status, reason=reason, is_met=is_met, series=series, frames=frames, told=told)

@@ -4,15 +4,13 @@ use super::Args;
 use crate::plan::Method;
 use crate::run::{Frames, Seen, Watch, contact_forces, observed};
 use crate::terminal::{exit, progress, say, write_sealed};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use cases::Case;
 use indicatif::ProgressBar;
 use lineup::OneMarch;
-use results::columns::cells;
-use results::contacts::{ContactTable, ENDINGS};
+use results::columns::{CsvRows, cells};
+use results::contacts::{ContactFormat, ContactTable};
 use results::simulation::Observed;
-use std::fs::File;
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -21,7 +19,7 @@ use std::time::Instant;
 pub(super) struct Kept<'a> {
     args: &'a Args,
     case: &'a Case,
-    rows: Option<(&'a Path, File)>,
+    rows: Option<(&'a Path, CsvRows)>,
     frames: Option<Frames>,
     contacts: Option<(&'a Path, ContactTable)>,
     watch: Option<Watch>,
@@ -35,24 +33,21 @@ pub(super) struct Kept<'a> {
 impl<'a> Kept<'a> {
     pub(super) fn new(args: &'a Args, case: &'a Case, method: &Method, watch: Option<Watch>) -> Result<Self> {
         let frames = |folder: &PathBuf| Frames::new(folder, &case.name, method.partition());
-        let contacts = |path: &'a PathBuf| -> Result<(&'a Path, ContactTable)> {
-            let table = ContactTable::begin(path).with_context(|| path.display().to_string())?;
-            Ok((path, table.with_context(|| refused(path))?))
+        let format = |path: &'a PathBuf| -> Result<(&'a Path, ContactFormat)> {
+            let refused = || format!("--contacts {}: its name must end in .csv or .parquet", path.display());
+            Ok((path, ContactFormat::of(path).with_context(refused)?))
+        };
+        let contacts = |(path, format): (&'a Path, ContactFormat)| -> Result<(&'a Path, ContactTable)> {
+            let table = ContactTable::begin(path, format).with_context(|| path.display().to_string())?;
+            Ok((path, table))
         };
         // Names first, then frames, whose folder may be refused, so that nothing is left behind.
-        let is_table =
-            |path: &Path| path.extension().is_some_and(|end| ENDINGS.iter().any(|one| end == *one));
-        if let Some(path) = args.contacts.as_ref().filter(|path| !is_table(path)) {
-            bail!(refused(path));
-        }
+        let named = args.contacts.as_ref().map(format).transpose()?;
         let frames = args.vtk.as_ref().map(frames).transpose()?;
-        let contacts = args.contacts.as_ref().map(contacts).transpose()?;
-        let begin = |path: &'a PathBuf| -> Result<(&'a Path, File)> {
-            let file = File::create_new(path);
-            let names: Vec<String> =
-                row(&Observed::default(), "", 0.0)?.into_iter().map(|(name, _)| name).collect();
-            let file = file.and_then(|mut file| writeln!(file, "{}", names.join(",")).map(|()| file));
-            Ok((path, file.with_context(|| path.display().to_string())?))
+        let contacts = named.map(contacts).transpose()?;
+        let begin = |path: &'a PathBuf| -> Result<(&'a Path, CsvRows)> {
+            let rows = CsvRows::begin(path, row(&Observed::default(), "", 0.0)?);
+            Ok((path, rows.with_context(|| path.display().to_string())?))
         };
         let rows = args.output.as_ref().map(begin).transpose()?;
         let bar = progress::bar(args.time_steps, "time steps");
@@ -69,14 +64,11 @@ impl<'a> Kept<'a> {
     pub(super) fn see(&mut self, seen: &Seen) -> Result<ControlFlow<()>> {
         let _whole = exit::whole();
         let (k, observed) = (seen.march.time_steps(), observed(seen));
-        if let Some((path, file)) = &mut self.rows {
+        if let Some((path, rows)) = &mut self.rows {
             // Its own iterations, not those so far.
             let own = Observed { iterations: seen.outcome.iterations, ..observed };
             let row = row(&own, seen.outcome.status.name(), seen.march.mean_diameter())?;
-            let values: Vec<String> = row.into_iter().map(|(_, value)| value).collect();
-            // At once, so that no half row is left.
-            let line = values.join(",") + "\n";
-            file.write_all(line.as_bytes()).with_context(|| path.display().to_string())?;
+            rows.add([row]).with_context(|| path.display().to_string())?;
         }
         if self.args.every.is_none_or(|every| k.is_multiple_of(every.get())) {
             if let Some(frames) = &mut self.frames {
@@ -147,11 +139,6 @@ impl<'a> Kept<'a> {
         }
         self.frames.as_ref().map_or(Ok(()), Frames::say)
     }
-}
-
-/// Returns why a file is none of contacts.
-fn refused(path: &Path) -> String {
-    format!("--contacts {}: its name must end in .{}", path.display(), ENDINGS.join(" or ."))
 }
 
 fn say_time_step(seen: &Seen, row: &Observed) -> Result<()> {

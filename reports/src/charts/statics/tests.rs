@@ -67,6 +67,10 @@ fn the_worst_of_a_group_is_told_and_what_came_to_no_end_is_a_dash() {
     let table = csv(&[pinched(1e-6), pinched(2e-6)]);
     assert!(table.lines().nth(1).is_some_and(|row| row.contains("stands") && row.contains("2.0")), "{table}");
     let table = csv(&[pinched(1e-6), failed]);
-    assert!(table.lines().nth(1).is_some_and(|row| row.ends_with(',')), "{table}");
+    assert!(table.lines().nth(1).is_some_and(|row| row.ends_with(",,")), "{table}");
+    let mut late = pinched(1e-6);
+    late.simulation.totals.missed_time_steps = 1;
+    let table = csv(&[pinched(0.0), late]);
+    assert!(table.lines().nth(1).is_some_and(|row| row.ends_with(",10⁻⁶")), "{table}");
     assert!(files(&parts(&[])).iter().all(|(name, _)| !name.contains("svg")));
 }
