@@ -2,9 +2,27 @@
 
 use std::fmt;
 
+use serde::Deserialize;
+
 /// A colour: red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RGBColor(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+
+impl RGBColor {
+    /// Reads a colour such as `#0072B2`.
+    pub(crate) fn read(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+        let part = |n: usize| u8::from_str_radix(&digits[2 * n..2 * n + 2], 16).ok();
+        Some(Self(part(0)?, part(1)?, part(2)?))
+    }
+
+    /// Mixes it with a share of another (–).
+    pub(crate) fn mixed(self, other: Self, share: f64) -> Self {
+        let mix =
+            |own: u8, other: u8| ((1.0 - share) * f64::from(own) + share * f64::from(other)).round() as u8;
+        Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
+    }
+}
 
 impl fmt::Display for RGBColor {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -13,16 +31,26 @@ impl fmt::Display for RGBColor {
 }
 
 /// A small sign on a line: tells methods apart without colour.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Mark {
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mark {
+    /// No sign.
     None,
+    /// Filled disc.
     Disc,
+    /// Open square.
     Square,
+    /// Open diamond.
     Diamond,
+    /// Upright cross.
     Plus,
+    /// Upright line.
     Bar,
+    /// Slanting cross.
     Cross,
+    /// Open circle.
     Ring,
+    /// Open triangle.
     Triangle,
 }
 

@@ -1,12 +1,13 @@
 //! Tables and figures, each one a function of stored rows.
 //!
-//! Each folder uses those before it: `families` (looks of methods), `read` (rows, and what is true of them) → `draw` (lines, axes, keys on paper) → `text`
+//! Each folder uses those before it: `families` (looks of methods), `own` (a style of one's own), `read` (rows, and what is true of them) → `draw` (lines, axes, keys on paper) → `text`
 //! (tables, sentences, files) → `charts` (one for each name in [`Chart`]) → `page` (the page, and the folder of a report).
 
 mod charts;
 mod draw;
 mod error;
 mod families;
+mod own;
 mod page;
 mod read;
 #[cfg(test)]
@@ -21,6 +22,8 @@ use results::study::Study as Stored;
 pub use charts::{Chart, OwnChart, UnknownQuantity};
 pub use draw::Formats;
 pub use error::ReportError;
+pub use families::Mark;
+pub use own::{MethodStyle, Style, use_style};
 pub use page::{About, Snapshots, made, view};
 pub use text::{Pick, TableFormat, summary};
 

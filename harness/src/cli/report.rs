@@ -7,12 +7,13 @@ use crate::root::Root;
 use crate::store::{about, draw, runs_folder, tables_of};
 use crate::terminal::{prepare_place, read_text, say, suggest, write_whole};
 use anyhow::{Context, Result, bail};
-use reports::{Chart, Formats, Pick, TableFormat, Wanted};
+use reports::{Chart, Formats, Pick, Style, TableFormat, Wanted, use_style};
 use results::journal::Record;
 use results::simulation::Simulated;
 use results::store::tables_folder;
 use results::study::{Runs, Study as Rows};
 use std::collections::BTreeSet;
+use std::fs;
 use std::path::{Path, PathBuf};
 use wildmatch::WildMatch;
 
@@ -22,6 +23,8 @@ pub(crate) struct Args {
     study: PlanArgs,
     #[command(flatten)]
     formats: FormatArgs,
+    #[command(flatten)]
+    style: StyleArgs,
     /// Draw from the tables in FOLDER, such as one of results/archive, not from the newest study in results/runs
     #[arg(long, value_name = "FOLDER")]
     rows: Option<PathBuf>,
@@ -46,6 +49,17 @@ pub(crate) struct FigureArgs {
     only: Vec<(String, String)>,
     #[command(flatten)]
     formats: FormatArgs,
+    #[command(flatten)]
+    style: StyleArgs,
+    /// Draw from the tables in FOLDER, such as one of results/archive, not from the newest study in results/runs
+    #[arg(long, value_name = "FOLDER")]
+    rows: Option<PathBuf>,
+    /// Title of the figures; empty for none
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Width of a figure and height of its panels [default: 175 mm, a journal's page]
+    #[arg(long, value_name = "MMxMM", value_parser = size)]
+    size: Option<(f64, f64)>,
 }
 
 #[derive(clap::Args)]
@@ -78,6 +92,43 @@ struct FormatArgs {
     pdf: bool,
 }
 
+/// Style of figures on the command line.
+#[derive(clap::Args)]
+struct StyleArgs {
+    /// Draw in the style of FILE: size, title, font, names, colours and signs of methods; harness/how-to.md has its keys
+    #[arg(long, value_name = "FILE.toml")]
+    style: Option<PathBuf>,
+}
+
+impl StyleArgs {
+    /// Takes the style for all figures of this process, with what `replaces` it.
+    fn take(&self, replaces: impl FnOnce(&mut Style)) -> Result<()> {
+        let Some(path) = &self.style else {
+            let mut style = Style::default();
+            replaces(&mut style);
+            return use_style(style, None).map_err(anyhow::Error::msg);
+        };
+        let of_file = || {
+            let mut style: Style = toml::from_str(&read_text(path)?)?;
+            replaces(&mut style);
+            // Beside its file.
+            let font = style.font.as_ref().map(|font| path.with_file_name(font));
+            let bytes =
+                font.map(|font| fs::read(&font).with_context(|| format!("`font` = {}", font.display())));
+            use_style(style, bytes.transpose()?).map_err(anyhow::Error::msg)
+        };
+        of_file().with_context(|| format!("--style {}", path.display()))
+    }
+}
+
+/// Reads a size such as `85x50` (mm).
+fn size(text: &str) -> Result<(f64, f64), String> {
+    let length = |text: &str| text.parse::<f64>().ok().filter(|length| *length >= 1.0 && *length <= 2000.0);
+    text.split_once('x')
+        .and_then(|(width, height)| Some((length(width)?, length(height)?)))
+        .ok_or_else(|| "a size is like 85x50, both 1 to 2000 mm".to_owned())
+}
+
 impl FormatArgs {
     fn formats(&self) -> Formats {
         Formats { png: self.png, pdf: self.pdf }
@@ -85,6 +136,7 @@ impl FormatArgs {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    args.style.take(|_| {})?;
     let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
     let stored = args.rows.clone().map_or_else(|| stored(root, &plan), Ok)?;
     let rows = tables_of(&stored)?;
@@ -116,9 +168,15 @@ fn fill(rows: &Rows, charts: &[Chart], template: &Path) -> Result<()> {
 
 /// One chart, in a folder of its own: the report of the study stays as it is.
 pub(crate) fn figure(root: &Root, args: &FigureArgs) -> Result<()> {
+    args.style.take(|style| {
+        style.title = args.title.clone().or(style.title.take());
+        if let Some((width, height)) = args.size {
+            (style.width_mm, style.panel_height_mm) = (Some(width), Some(height));
+        }
+    })?;
     let plan = Plan::read(&args.study.path(root)?, args.study.quick)?;
     plan.suits(args.chart)?;
-    let stored = stored(root, &plan)?;
+    let stored = args.rows.clone().map_or_else(|| stored(root, &plan), Ok)?;
     let name = format!("{}-{}", plan.name, args.chart.name);
     let mut rows = tables_of(&stored)?;
     for (key, pattern) in &args.only {

@@ -21,8 +21,7 @@ const ITERATION: Sampled = cost("iterations", |_, point| Some(point.iteration as
 const SECONDS: Sampled = cost(COSTS[0].title, COSTS[0].of);
 const WORK: Sampled = cost(COSTS[1].title, COSTS[1].of);
 const ZETA: Sampled = measure("ζ, relative change in the last iteration (–)", "ζ (–)", Measure::Zeta);
-const NATURAL_MAP: Sampled =
-    measure("natural map, distance to a solution (–)", "natural map (–)", Measure::NaturalMap);
+const NATURAL_MAP: Sampled = measure("natural map (–)", "natural map (–)", Measure::NaturalMap);
 const QUAD_DV: Sampled =
     measure("quadratic norm of LMGC90 (–)", "quadratic norm of LMGC90 (–)", Measure::QuadDv);
 const ERROR: Sampled = measure("velocity error (–)", "velocity error (–)", Measure::VelocityError);
@@ -30,7 +29,7 @@ const ERROR: Sampled = measure("velocity error (–)", "velocity error (–)", M
 /// Measures against iterations: ζ, the paper's indicator, on the left, and the natural map of the same runs.
 pub(super) const CONVERGENCE: Curves = Curves {
     name: "convergence",
-    title: "How the paper's indicator and a distance to a solution fall with the iterations",
+    title: "How the paper's indicator ζ and a residual, the natural map, fall with the iterations",
     panels: &[(ITERATION, ZETA), (ITERATION, NATURAL_MAP)],
     of_truth: false,
     against_error: false,
@@ -41,7 +40,7 @@ pub(super) const CONVERGENCE: Curves = Curves {
 /// Speed and accuracy: the natural map against seconds, of problems whose solutions need not be known.
 pub(super) const SPEED: Curves = Curves {
     name: "speed",
-    title: "How near a solution each method is after so many seconds",
+    title: "The residual that each method leaves after so many seconds",
     panels: &[(SECONDS, NATURAL_MAP)],
     stairs: true,
     ..CONVERGENCE

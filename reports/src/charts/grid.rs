@@ -1,9 +1,10 @@
 //! A grid of cells: tiles for what each row and each column have in common.
 
 use crate::draw::{
-    BLACK, Canvas, Cell, FRAME, HPos, INK, LEADING, MARGIN, Mark, PAGE, Pen, Place, Sign, Signs, TEXT,
-    TICK_TEXT, VPos, WHITE, svg, text_width,
+    BLACK, Canvas, Cell, FRAME, HPos, INK, LEADING, MARGIN, Mark, Pen, Place, Sign, Signs, TEXT, TICK_TEXT,
+    VPos, WHITE, page, svg, text_width,
 };
+use crate::own;
 
 /// Gaps between tiles: share of the height of a row (–), and part of the width of a column (mm).
 const FREE: f64 = 0.1;
@@ -46,9 +47,9 @@ pub(super) struct Grid<'g> {
 
 impl<'g> Grid<'g> {
     pub(super) fn svg(&'g self) -> String {
-        let inside = PAGE - 2.0 * MARGIN;
+        let inside = page() - 2.0 * MARGIN;
         let left = MARGIN + self.label_width();
-        let room = (PAGE - MARGIN - left) / self.columns.len().max(1) as f64;
+        let room = (page() - MARGIN - left) / self.columns.len().max(1) as f64;
         let longest = self.columns.iter().filter_map(|head| head.long.as_deref());
         let longest = longest.map(|long| text_width(long, TICK_TEXT) + 2.0).fold(0.0, f64::max);
         // Numbers stand for words where these do not fit above their columns.
@@ -63,8 +64,10 @@ impl<'g> Grid<'g> {
         let top = MARGIN + 1.5 * LEADING + LEADING * lines as f64;
         let wide = room.min(if in_words { longest.max(self.widest) } else { self.widest });
         let bottom = top + self.height * self.rows.len() as f64;
-        svg((PAGE, bottom + 1.5 + keys.height() + MARGIN), |canvas| {
-            canvas.text(&self.title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center));
+        svg((page(), bottom + 1.5 + keys.height() + MARGIN), |canvas| {
+            if let Some(title) = own::title(std::slice::from_ref(&self.title)).first() {
+                canvas.text(title, (MARGIN, MARGIN + 0.5 * LEADING), TEXT, (HPos::Left, VPos::Center));
+            }
             for (i, words) in heads.iter().enumerate() {
                 for (n, word) in words.iter().enumerate() {
                     let y = top - LEADING * (words.len() - n) as f64 + 0.3 * LEADING;
@@ -83,7 +86,7 @@ impl<'g> Grid<'g> {
         let of = |(name, setting): &(&str, &str)| text_width(name, TEXT).max(text_width(setting, TICK_TEXT));
         let width = self.rows.iter().map(of).fold(0.0, f64::max);
         // Beyond a third of the page, labels would leave no room for what they label.
-        (width + 2.0).min(PAGE / 3.0)
+        (width + 2.0).min(page() / 3.0)
     }
 
     fn draw_row(&self, canvas: &Canvas, i: usize, (left, top): Place, wide: f64) {

@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 
 use ab_glyph::{Font, FontRef, ScaleFont};
 
-use crate::draw::{BLACK, Mark, Pen, RGBColor, WHITE};
+use crate::draw::{BLACK, Mark, Pen, RGBColor, WHITE, enlarged};
+use crate::own;
 use crate::read::Ending;
 
 /// Coordinates are integers of a fiftieth of a millimetre.
@@ -50,6 +51,7 @@ pub(crate) struct Canvas {
 /// Draws a sheet of `width` by `height` mm on a white ground.
 pub(crate) fn svg((width, height): (f64, f64), draw: impl FnOnce(&Canvas)) -> String {
     let (columns, rows) = (units(width), units(height));
+    let [width, height] = [width, height].map(|length| length * enlarged());
     let canvas = Canvas { svg: RefCell::default() };
     canvas.add(format_args!(
         "<svg width=\"{width}mm\" height=\"{height}mm\" stroke-linejoin=\"round\" viewBox=\"0 0 {columns} {rows}\" \
@@ -77,7 +79,8 @@ fn lowered(text: &str) -> String {
 
 /// Width of a text (mm).
 pub(crate) fn text_width(text: &str, size_pt: f64) -> f64 {
-    let font = FONT.as_scaled((font_size(size_pt) * HEIGHT_PER_EM) as f32);
+    let font =
+        own::font().map_or(&*FONT, |(font, ..)| font).as_scaled((font_size(size_pt) * HEIGHT_PER_EM) as f32);
     let mut width = 0.0;
     let mut before = None;
     for glyph in text.chars().map(|letter| font.glyph_id(letter)) {
@@ -136,10 +139,11 @@ impl Canvas {
             VPos::Bottom => "-0.5ex",
         };
         self.add(format_args!(
-            "<text x=\"{}\" y=\"{}\" dy=\"{height}\" text-anchor=\"{side}\" font-family=\"{FONTS}\" \
+            "<text x=\"{}\" y=\"{}\" dy=\"{height}\" text-anchor=\"{side}\" font-family=\"{}\" \
              font-size=\"{}\" fill=\"{color}\">\n{}\n</text>",
             units(place.0),
             units(place.1),
+            own::font().map_or(FONTS, |(.., family)| family),
             font_size(size_pt),
             lowered(text)
         ));

@@ -6,6 +6,7 @@ use crate::draw::{
     Canvas, DASHES, Family, HPos, LEADING, MARKS, METHODS, Mark, Pen, Place, SPARE, Sign, Signs, TEXT, VPos,
     text_width,
 };
+use crate::own;
 use crate::read::{RunRow, Simulation, find_or_push, unique};
 
 /// Length of the sample of a line (mm).
@@ -110,7 +111,7 @@ impl<'t> Looks<'t> {
 
 /// The look that a method has of its own.
 fn family(name: &str) -> Option<&'static Family> {
-    METHODS.iter().find(|(known, _)| *known == name).map(|(_, family)| family)
+    own::family(name).or_else(|| METHODS.iter().find(|(known, _)| *known == name).map(|(_, family)| family))
 }
 
 /// Entries in columns, filled downwards so that the variants of a method stand together; the key of the signs below.

@@ -1,8 +1,9 @@
 //! A row of panels of one size, with lines of text above and a legend below.
 
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, LEADING, Legend, MARGIN, PAGE, PAGE_HEIGHT, Scale, TEXT, VPos, svg,
+    Axis, Canvas, Frame, HPos, LEADING, Legend, MARGIN, PAGE_HEIGHT, Scale, TEXT, VPos, enlarged, page, svg,
 };
+use crate::own;
 use crate::read::{RunRow, counted};
 
 /// Left of a panel for the labels of its ticks, and right of it (mm).
@@ -38,8 +39,10 @@ impl Room {
 /// The scale of an axis, its range and its name.
 type Span<'s> = (Scale, (f64, f64), &'s str);
 
-/// Width inside the margins, for legends (mm).
-pub(crate) const INSIDE: f64 = PAGE - 2.0 * MARGIN;
+/// Returns the width inside the margins, for legends (mm).
+pub(crate) fn inside_width() -> f64 {
+    page() - 2.0 * MARGIN
+}
 
 /// Height of each of several rows of panels that fill a page (mm).
 fn high(rows: usize, taken: f64) -> f64 {
@@ -58,16 +61,17 @@ pub(crate) fn grid(
     legend: &Legend,
     panel: impl Fn(&Canvas, usize, Room),
 ) -> String {
-    let pitch = INSIDE / columns as f64;
+    let title = own::title(title);
+    let pitch = inside_width() / columns as f64;
     let wide = pitch - LEFT - RIGHT;
     let taken = LEADING * title.len() as f64;
-    let high = match rows {
+    let high = own::style().panel_height_mm.map(|high| high / enlarged()).unwrap_or_else(|| match rows {
         1 => HEIGHT.min(wide),
         rows => HEIGHT.min(wide).min(high(rows, taken + legend.height()).max(LEAST)),
-    };
+    });
     let first = MARGIN + taken + ABOVE;
     let bottom = first + rows as f64 * (high + BELOW + ABOVE) - BELOW - ABOVE;
-    svg((PAGE, (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
+    svg((page(), (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {
         for (i, line) in title.iter().enumerate() {
             let place = (MARGIN, MARGIN + LEADING * i as f64);
             canvas.text(line, place, TEXT, (HPos::Left, VPos::Top));

@@ -7,6 +7,7 @@ use svg2pdf::usvg::fontdb::Database;
 use svg2pdf::usvg::{Options, Transform, Tree};
 
 use crate::error::ReportError;
+use crate::own;
 
 /// Which formats of a figure are wanted beside SVG.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,10 +27,13 @@ impl Formats {
     }
 }
 
-/// The font of the layout, and no other: the same picture on every machine.
+/// Fonts of the layout, and no others: the same picture on every machine.
 static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     let mut fonts = Database::new();
     fonts.load_font_data(include_bytes!("../../fonts/DejaVuSans.ttf").to_vec());
+    if let Some((_, bytes, _)) = own::font() {
+        fonts.load_font_data(bytes.to_vec());
+    }
     Arc::new(fonts)
 });
 

@@ -1,9 +1,10 @@
 //! Panels of curves, declared by their axes, curves and guides; ranges and key follow from these.
 
 use crate::draw::{
-    Axis, Canvas, Frame, HPos, INSIDE, Legend, Line, Look, Pen, Place, RGBColor, Room, Scale, Sign, TEXT,
-    TICK_TEXT, TOLERANCE, VPos, draw_lines, endings, fits_a_page, grid,
+    Axis, Canvas, Frame, HPos, Legend, Line, Look, Pen, Place, RGBColor, Room, Scale, Sign, TEXT, TICK_TEXT,
+    TOLERANCE, VPos, draw_lines, endings, fits_a_page, grid, inside_width, text_width,
 };
+use crate::own;
 use crate::read::{
     Ending, Mean, OF_95, find_or_push, median, padded, rising, slope, slope_within, span, unique,
 };
@@ -277,11 +278,17 @@ impl Plot {
         fits_a_page(self.shape().1, self.legend().height())
     }
 
+    /// Returns how many panels side by side have room for their names.
+    fn most_columns(&self) -> usize {
+        let widths = self.panels.iter().map(|panel| text_width(&panel.y.name, TEXT));
+        (inside_width() / widths.fold(1.0, f64::max)) as usize
+    }
+
     /// Panels side by side, and rows of them.
     fn shape(&self) -> (usize, usize) {
-        let columns = match (self.columns, self.panels.len()) {
+        let columns = match (own::style().columns.unwrap_or(self.columns), self.panels.len()) {
             (0, 4) => 2,
-            (0, count) => count.clamp(1, 3),
+            (0, count) => count.min(self.most_columns()).clamp(1, 3),
             (columns, _) => columns,
         };
         (columns, self.panels.len().div_ceil(columns))
@@ -320,7 +327,7 @@ impl Plot {
         if curves().any(|curve| curve.through == Through::Level) {
             signs.push((Sign::Word, "Level lines: methods without the setting that varies.".to_owned()));
         }
-        Legend::new(lines, signs.into_iter().chain(self.signs.clone()).collect(), INSIDE)
+        Legend::new(lines, signs.into_iter().chain(self.signs.clone()).collect(), inside_width())
     }
 }
 

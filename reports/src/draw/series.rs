@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::draw::{Look, Looks};
+use crate::own::shown;
 use crate::read::{RunRow, differing, settings_text};
 
 /// The runs of a method with the same settings.
@@ -50,9 +51,9 @@ pub(crate) fn series<'r>(runs: impl IntoIterator<Item = &'r RunRow>, varied: &[&
 impl<'r> Series<'r> {
     pub(crate) fn label(&self) -> String {
         if self.group.is_empty() {
-            self.method.to_owned()
+            shown(self.method).to_owned()
         } else {
-            format!("{}, {}", self.method, self.group)
+            format!("{}, {}", shown(self.method), self.group)
         }
     }
 

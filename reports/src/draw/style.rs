@@ -1,11 +1,12 @@
 //! Sizes, colours, dashes and marks of all figures, in one place. Lengths are millimetres on paper, text is in points.
 
 use crate::families::{Mark, RGBColor};
+use crate::own;
 
 /// Width of a column of a journal.
 pub(crate) const COLUMN: f64 = 85.0;
 /// Width of a journal's page.
-pub(crate) const PAGE: f64 = 175.0;
+const PAGE: f64 = 175.0;
 /// Greatest height that leaves room for a caption below.
 pub(crate) const PAGE_HEIGHT: f64 = 235.0;
 /// Text, never smaller than 7 pt in print.
@@ -98,6 +99,16 @@ pub(crate) fn subdomain_fill(partition: &str, subdomain: u32) -> usize {
         _ => subdomain,
     };
     (place % fills) as usize
+}
+
+/// Returns the millimetres on paper of a millimetre of the layout (–), whose text has always the same size.
+pub(crate) fn enlarged() -> f64 {
+    own::style().text_pt.map_or(1.0, |size| size / TEXT)
+}
+
+/// Returns the width of a figure in the layout (mm).
+pub(crate) fn page() -> f64 {
+    own::style().width_mm.map_or(PAGE, |width| width / enlarged())
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use results::journal::Record;
 use results::schema::{Run, Sample, Snapshot};
 use results::settings::{CASE, FRICTION};
 
+use crate::own::shown;
 use crate::read::{Ending, counted, number, unique};
 
 /// A run with all that is stored of it, and what is read from that; a number that is undefined there is `None` here.
@@ -153,6 +154,7 @@ impl RunRow {
 
 /// Method and variant, as a key says them.
 pub(crate) fn label(method: &str, variant: &str) -> String {
+    let method = shown(method);
     match variant {
         "" => method.to_owned(),
         grid if grid.starts_with(|c: char| c.is_ascii_digit()) => format!("{method} {grid}"),

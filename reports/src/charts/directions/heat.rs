@@ -3,9 +3,10 @@
 use super::field::{Cell, Field};
 use crate::draw::{
     Axis, BEST, COLUMN, Canvas, ColorScale, DERIVED, FAILED_CELL, FAILED_SIGN, Frame, HALO, HPos, LEADING,
-    MARGIN, Mark, PAGE, PAGE_HEIGHT, Pen, Place, RGBColor, Sign, Signs, TEXT, TICK_TEXT, Ticks, VPos,
-    endings, rectangle, svg, text_width,
+    MARGIN, Mark, PAGE_HEIGHT, Pen, Place, RGBColor, Sign, Signs, TEXT, TICK_TEXT, Ticks, VPos, endings,
+    page, rectangle, svg, text_width,
 };
+use crate::own;
 use crate::read::{Ending, count, counted, rising, span};
 
 /// Left of the panels for labels, right of them for the scale of colours, between them (mm).
@@ -56,10 +57,10 @@ impl Page {
         }
         let room = |width: f64| width - 2.0 * MARGIN - LEFT - RIGHT + GAP;
         let first_row = fields.iter().take_while(|field| field.relaxation == fields[0].relaxation).count();
-        let columns = first_row.clamp(1, ((room(PAGE) / (least + GAP)) as usize).max(1));
-        let side = (room(PAGE) / columns as f64 - GAP).min(GREATEST);
+        let columns = first_row.clamp(1, ((room(page()) / (least + GAP)) as usize).max(1));
+        let side = (room(page()) / columns as f64 - GAP).min(GREATEST);
         let head = head(problem, fields);
-        let panels = PAGE - room(PAGE) + columns as f64 * (side + GAP);
+        let panels = page() - room(page()) + columns as f64 * (side + GAP);
         let width = COLUMN.max(panels).max(text_width(&head, TEXT) + 2.0 * MARGIN);
         let signs = Signs::new(signs(fields), width - 2.0 * MARGIN);
         let free = PAGE_HEIGHT - 2.0 * MARGIN - HEAD - FOOT - signs.height();
@@ -84,7 +85,9 @@ impl Page {
         svg((self.width, (below + self.signs.height() + MARGIN).ceil()), |canvas| {
             let more = if number > 0 { " (continued)" } else { "" };
             let title = format!("{}{more}", self.head);
-            canvas.text(&title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top));
+            if let Some(title) = own::title(&[title]).first() {
+                canvas.text(title, (MARGIN, MARGIN), TEXT, (HPos::Left, VPos::Top));
+            }
             for (i, field) in fields.iter().enumerate() {
                 // The last panel of a column has the labels of its κ_l.
                 self.panel(

@@ -4,7 +4,7 @@ use results::schema::GrainRow;
 
 use super::THINNEST_CHAIN;
 use crate::draw::{
-    CHAIN, COLUMN, Canvas, HPos, MARGIN, PAGE, Pen, Place, SCALE_BAR, TEXT, VPos, WALL, text_width,
+    CHAIN, COLUMN, Canvas, HPos, MARGIN, Pen, Place, SCALE_BAR, TEXT, VPos, WALL, page, text_width,
 };
 use crate::read::{Scene, impulse, number, round_down};
 
@@ -48,7 +48,7 @@ impl View {
         let drawable = span.is_finite() && rise.is_finite() && span > 0.0 && rise > 0.0;
         let (span, rise, corner) =
             if drawable { (span, rise, (low.0, high.1)) } else { (1.0, 0.2, (0.0, 0.2)) };
-        let width = if span > WIDE * rise { PAGE } else { COLUMN };
+        let width = if span > WIDE * rise { page() } else { COLUMN };
         let inside = width - 2.0 * (MARGIN + WALL.width);
         let scale = (inside / span).min(HIGHEST / rise);
         let image = ((width - scale * span) / 2.0, MARGIN + WALL.width);
