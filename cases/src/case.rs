@@ -55,6 +55,26 @@ pub fn of_toml<T: DeserializeOwned>(text: &str) -> Result<T, (String, toml::de::
     serde_path_to_error::deserialize(text).map_err(|error| (error.path().to_string(), error.into_inner()))
 }
 
+/// Returns the key of a table `at` a path, and its value, without which the `error` of reading the case is another.
+fn culprit(all: &toml::Table, at: &str, error: &str) -> Option<(String, toml::Value)> {
+    let is_of_value = error.starts_with("invalid type") || error.starts_with("invalid value");
+    let table = all.get(at).and_then(toml::Value::as_table).filter(|_| is_of_value)?;
+    let mut without = all.clone();
+    let keys = table.iter().filter(|(key, _)| *key != "kind");
+    let is_wrong = |(key, _): &(&String, &toml::Value)| {
+        let Some(others) = without.get_mut(at).and_then(toml::Value::as_table_mut) else { return false };
+        let removed = others.remove(*key);
+        let other = of_toml::<Case>(&without.to_string()).err().map(|(_, error)| error.message().to_owned());
+        let others = without.get_mut(at).and_then(toml::Value::as_table_mut);
+        if let (Some(others), Some(removed)) = (others, removed) {
+            others.insert((*key).clone(), removed);
+        }
+        other.as_deref() != Some(error)
+    };
+    let mut keys = keys;
+    keys.find(is_wrong).map(|(key, value)| (format!("{at}.{key}"), value.clone()))
+}
+
 impl Case {
     /// Reads a case file; then each of `overrides`, such as (`sample.grains`, `250`), replaces a value that the file
     /// could hold.
@@ -67,8 +87,12 @@ impl Case {
         let content = toml::from_str::<toml::Table>(&text);
         let all =
             |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
-        let mut case: Self =
-            of_toml(&text).map_err(|(_, error)| CaseError::content(path, all(error.to_string())))?;
+        let mut case: Self = of_toml(&text).map_err(|(at, error)| {
+            // Of a table whose keys depend on its `kind` the error has neither key nor line.
+            let culprit = content.as_ref().ok().and_then(|all| culprit(all, &at, error.message()));
+            let message = culprit.map(|(key, value)| format!("`{key}` = {value}: {}", error.message()));
+            CaseError::content(path, message.unwrap_or_else(|| all(error.to_string())))
+        })?;
         let mut table = content.map_err(|error| CaseError::content(path, error))?;
         if !overrides.is_empty() {
             for (key, value) in overrides {

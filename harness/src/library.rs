@@ -188,9 +188,10 @@ pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) 
     run().map_err(|error| crate::in_one_paragraph(&error))
 }
 
-/// The checkout around the current folder, if there is one; other codes are those of the first.
+/// Returns the checkout of the variable `GRAVEL_ROOT`, or else that around the current folder, if there is one; other codes are those of
+/// the first.
 fn root() -> Result<Root> {
-    let root = Root::find(None)?;
+    let root = Root::find(std::env::var_os("GRAVEL_ROOT").map(PathBuf::from))?;
     read_external(&root)?;
     Ok(root)
 }

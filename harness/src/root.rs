@@ -39,7 +39,10 @@ impl Root {
             |folder: &Path| folder.join("cases/frozen").is_dir() && folder.join("harness/plans").is_dir();
         if let Some(folder) = given {
             if !is_root(&folder) {
-                bail!("--root {}: this folder has no cases/frozen and harness/plans", folder.display());
+                bail!(
+                    "{}: this folder, of --root or GRAVEL_ROOT, has no cases/frozen and harness/plans",
+                    folder.display()
+                );
             }
             return Ok(Self(Some(folder)));
         }

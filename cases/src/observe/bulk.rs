@@ -83,15 +83,22 @@ impl Bulk {
     }
 }
 
-/// The bulk's least and greatest corner (m), if it has one: the scene's walls are upright, and it is nowhere too narrow.
+/// Returns the bulk's least and greatest corner (m), if it has one: the scene's walls are upright, nothing else stands between the
+/// grains, and the bed is nowhere too narrow.
 fn inside<P: Place>(scene: &Scene, time: f64, position: &[P], radius: &[f64]) -> Option<[[f64; 3]; 2]> {
+    if !scene.segments.is_empty() {
+        return None;
+    }
     let walls = scene.walls.as_ref()?.at::<P>(time);
     let count = position.len() as f64;
     let margin = MARGIN * 2.0 * radius.iter().sum::<f64>() / count;
     let foot = walls[0]?.foot;
-    let bed = 2.0 * (position.iter().map(|x| x[1]).sum::<f64>() / count - foot[1]);
-    let mut low = [f64::NEG_INFINITY, foot[1] + margin, f64::NEG_INFINITY];
-    let mut high = [f64::INFINITY, foot[1] + bed - margin, f64::INFINITY];
+    // What has not yet come down lies higher than the floor.
+    let lowest = position.iter().zip(radius).map(|(x, radius)| x[1] - radius).fold(f64::INFINITY, f64::min);
+    let ground = if lowest > foot[1] + margin { lowest } else { foot[1] };
+    let bed = 2.0 * (position.iter().map(|x| x[1]).sum::<f64>() / count - ground);
+    let mut low = [f64::NEG_INFINITY, ground + margin, f64::NEG_INFINITY];
+    let mut high = [f64::INFINITY, ground + bed - margin, f64::INFINITY];
     for (axis, sides) in [(0, [walls[1], walls[2]]), (2, [walls[3], walls[4]])] {
         if axis >= P::LEN {
             (low[axis], high[axis]) = (0.0, 0.0);

@@ -54,7 +54,7 @@ pub(crate) struct SceneArgs {
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
     /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
-    /// active-set in simulate and freeze]
+    /// active-set]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
@@ -198,14 +198,9 @@ impl CaseArgs {
 }
 
 impl SolverArgs {
-    /// The method, or else cg.
-    pub(crate) fn read(&self) -> Result<(Method, Stop)> {
-        self.or((Method::parse("cg", &[])?, Stop::default()))
-    }
-
-    /// Returns the method, or else accelerated sweeps with friction and cg without.
-    pub(crate) fn through(&self, case: &Case) -> Result<(Method, Stop)> {
-        self.or((Method::marching(case.scene.is_rough(), "none")?, Stop::default()))
+    /// Returns the method, or else the active set with friction and cg without.
+    pub(crate) fn read(&self, is_frictional: bool) -> Result<(Method, Stop)> {
+        self.or((Method::marching(is_frictional, "none")?, Stop::default()))
     }
 
     /// The method, or else this one; it stops as given here, unless an argument says otherwise.

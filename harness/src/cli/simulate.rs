@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// Number of time steps to march; with `--restart` that of further ones
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     time_steps: u64,
-    /// Resume from the state in FILE, which `--state` wrote: bitwise as if the simulation had not stopped
+    /// Resume from the state in FILE, which `--state` wrote: with the same case, method and tolerance bitwise as if the simulation had not stopped
     #[arg(long, value_name = "FILE")]
     restart: Option<PathBuf>,
     /// Write the last state to FILE, also if the simulation is stopped; with `--every` that of every K-th time step before as well
@@ -80,7 +80,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let outputs = files.into_iter().chain([("--vtk", &args.vtk)]);
     check_apart(&outputs.filter_map(|(name, path)| Some((name, path.as_deref()?))).collect::<Vec<_>>())?;
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
-    let (method, stop) = args.solver.through(&case)?;
+    let (method, stop) = args.solver.read(case.scene.is_rough())?;
     let mut march = march(&case)?;
     march.check(method.ours()?)?;
     warn(&case.name, march.warnings());

@@ -39,7 +39,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let (method, stop) = args.solver.read()?;
+    let (method, stop) = args.solver.read(false)?;
     for file in args.impulses.iter().chain(&args.homogenised) {
         prepare_place(file)?;
     }
@@ -53,6 +53,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
     }
     let (posed, facts) = (&problem.posed, problem.posed.facts());
+    let method = if facts.of_contact > 1 { args.solver.read(true)?.0 } else { method };
     let r0 = args.posed.impulses(&path, &problem)?;
     let known = problem.known(root)?;
     let mut line = Line::alone(method.name.to_owned());
@@ -121,7 +122,12 @@ pub(crate) fn say_ending(
 ) -> Result<()> {
     let (on, tolerance, plural) = (stop.on, stop.tolerance, if iterations == 1 { "" } else { "s" });
     say(format_args!("{} {}", method.name, Value::Object(method.settings.clone())))?;
-    let asked = if status == Status::Converged { "the first iterate with" } else { "asked:" };
+    // Another code is asked for one of its own tolerances after the other.
+    let asked = match status {
+        Status::Converged if method.ours().is_err() => "its first tolerance with",
+        Status::Converged => "the first iterate with",
+        _ => "asked:",
+    };
     let status = status.name();
     say(format_args!("{status} after {iterations} iteration{plural} ({asked} {on} ≤ {tolerance:e})"))?;
     say(format_args!("  set-up {setup_s:.3e} s, iterating {iterating_s:.3e} s"))

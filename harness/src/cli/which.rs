@@ -209,6 +209,7 @@ impl Answer {
     fn say(&self, problem: &Problem, stop: &Stop) -> Result<()> {
         let (name, size) = (&problem.name, problem.posed.facts().size());
         say(format_args!("{name}: {size}; {} ≤ {:e}", stop.on, stop.tolerance))?;
+        let widest = self.tried.iter().map(|one| one.named().len()).max().unwrap_or(0);
         for one in &self.tried {
             let seconds = match one.seconds {
                 Some(Median { low, median, high }) if low < high => {
@@ -217,8 +218,8 @@ impl Answer {
                 Some(Median { median, .. }) => format!("{median:.2e} s"),
                 None => format!("{}, {} {:.1e}", one.ending(), stop.on, one.outcome.measures.get(stop.on)),
             };
-            let (name, iterations) = (one.method.name, one.outcome.iterations);
-            say(format_args!("  {name:<12}{iterations:>9} iterations   {seconds}"))?;
+            let (name, iterations) = (one.named(), one.outcome.iterations);
+            say(format_args!("  {name:<widest$}{iterations:>9} iterations   {seconds}"))?;
         }
         for why in &self.skipped {
             say(format_args!("  {why}"))?;
@@ -231,19 +232,27 @@ impl Answer {
                 "none of them converges, the first comes nearest; `--seconds` or `--max-iterations` may be too few"
             ));
         };
-        let set: Vec<String> = first.set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect();
         let ties: Vec<&str> = self.ties().map(|one| one.method.name).collect();
         let why = match &ties[..] {
             [] => "the least median time here".to_owned(),
             ties => {
-                format!("not told from {}: the intervals of {REPEATS} runs each overlap", ties.join(", "))
+                format!("tied with {}: the intervals of {REPEATS} runs each overlap", ties.join(", "))
             }
         };
-        say(format_args!("take --method {}{}: {why}", first.method.name, set.concat()))
+        say(format_args!("take --method {}: {why}", first.named()))?;
+        say(format_args!(
+            "This holds for this problem. `gravel report which-method` has samples of many kinds."
+        ))
     }
 }
 
 impl Tried {
+    /// The method with its named settings, as arguments.
+    fn named(&self) -> String {
+        let set = self.set.iter().map(|(key, value)| format!(" --set {key}={value}"));
+        self.method.name.to_owned() + &set.collect::<String>()
+    }
+
     /// Ending of its run.
     fn ending(&self) -> &'static str {
         match self.outcome.status {

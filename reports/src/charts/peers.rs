@@ -11,8 +11,11 @@ use crate::read::{
 };
 use crate::text::{Part, chosen, frame};
 
-/// The accuracy at which seconds are compared: the strictest.
-const ACCURACY: f64 = ACCURACIES[ACCURACIES.len() - 1];
+/// Returns the accuracy at which seconds are compared: the strictest at which some run was to stop.
+fn accuracy(runs: &[RunRow]) -> f64 {
+    let asked = span(runs.iter().filter_map(|run| run.tolerance)).map_or(0.0, |(least, _)| least);
+    ACCURACIES.into_iter().filter(|accuracy| *accuracy >= asked).fold(ACCURACIES[0], f64::min)
+}
 
 /// `peers`: a row for each run; and `peers-ratios`: the median ratio of each method.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
@@ -37,7 +40,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
 fn there(runs: &[RunRow]) -> String {
     let on = runs.first().map(|run| run.stop_on.0).filter(|on| *on == Measure::VelocityError);
     let name = if on.is_some() { "a velocity error" } else { "a natural map" };
-    format!("{name} of {}", accuracy_text(ACCURACY))
+    format!("{name} of {}", accuracy_text(accuracy(runs)))
 }
 
 struct Row<'r> {
@@ -56,7 +59,8 @@ struct Reached {
 }
 
 fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
-    let reached = runs.iter().filter(|run| run.problem == problem).map(|run| (run, reached(run)));
+    let accuracy = accuracy(runs);
+    let reached = runs.iter().filter(|run| run.problem == problem).map(|run| (run, reached(run, accuracy)));
     let reached: Vec<(&RunRow, Option<Reached>)> = reached.collect();
     let least = span(reached.iter().filter_map(|(_, reached)| Some(reached.as_ref()?.seconds)));
     let ratio = |reached: Option<Reached>| Some(reached?.seconds / least?.0);
@@ -64,14 +68,14 @@ fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
 }
 
 /// The first sample that is accurate enough and stays so; of another code the run at one tolerance that it is, with both clocks.
-fn reached(run: &RunRow) -> Option<Reached> {
+fn reached(run: &RunRow, accuracy: f64) -> Option<Reached> {
     let error = run.stopped_on();
     let Some(rungs) = run.derived.get("rungs").and_then(Value::as_array) else {
-        let seconds = COSTS[0].to(run, error, ACCURACY)?;
+        let seconds = COSTS[0].to(run, error, accuracy)?;
         return Some(Reached { seconds, process_s: None, asked: None });
     };
     // Each sample is a run of its own. Before the first of them the curve has r = 0.
-    let at = run.curve.iter().position(|point| point.get(error).is_some_and(|error| error <= ACCURACY))?;
+    let at = run.curve.iter().position(|point| point.get(error).is_some_and(|error| error <= accuracy))?;
     let rung = at.checked_sub(1).and_then(|at| rungs.get(at))?;
     let value = |key: &str| rung[key].as_f64();
     let seconds = value("setup_s")? + value("solve_s")?;

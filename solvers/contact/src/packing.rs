@@ -25,6 +25,10 @@ impl<M: Mechanics> Packing<M> {
         free_velocity: Vec<M::Velocity>,
         contacts: Vec<M::Contact>,
     ) -> Result<Self, ProblemError> {
+        // Of three lists the one that differs from the others is wrong.
+        if position.len() == free_velocity.len() {
+            ProblemError::unless_length("grains.mass", &mass, position.len())?;
+        }
         ProblemError::unless_length("grains.position", &position, mass.len())?;
         ProblemError::unless_each("grains.position", &position, "finite", |x| x.is_finite())?;
         let problem = ContactProblem::new(mass, free_velocity, contacts)?;
