@@ -59,7 +59,7 @@ pub struct Scene {
     /// Number of copies of each contact in a problem: with more than one, impulses are not unique.
     #[serde(default = "once")]
     pub contact_copies: u32,
-    /// The box. Without it, a drum or segments, grains fall for ever.
+    /// The box. Without a box, drum or segments, grains fall freely.
     #[serde(rename = "box")]
     pub walls: Option<Walls>,
     /// A drum around the origin, in place of a box.
@@ -245,7 +245,7 @@ impl Scene {
         }
         if g < 0.0 {
             warnings.push(format!(
-                "`scene.gravity_m_per_s2` is {}: it lifts grains, for it points downwards",
+                "`scene.gravity_m_per_s2` is {}: a positive number points downwards, and this one lifts the grains",
                 shown(g)
             ));
         }

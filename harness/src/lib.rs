@@ -222,9 +222,9 @@ struct Cli {
     /// Threads that methods may use [default: one per processor]; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = few)]
     threads: Option<std::num::NonZeroUsize>,
-    /// The checkout, with cases/ and harness/plans/ [default: the current folder or one above it]; problems and cases
-    /// given by path need none
-    #[arg(long, global = true, value_name = "DIR", env = "GRAVEL_ROOT", hide_env_values = true)]
+    /// The checkout, with cases/ and harness/plans/ [default: GRAVEL_ROOT, else the current folder or one above it]; problems and
+    /// cases given by path need none
+    #[arg(long, global = true, value_name = "DIR")]
     root: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,

@@ -191,7 +191,7 @@ pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) 
 /// Returns the checkout of the variable `GRAVEL_ROOT`, or else that around the current folder, if there is one; other codes are those of
 /// the first.
 fn root() -> Result<Root> {
-    let root = Root::find(std::env::var_os("GRAVEL_ROOT").map(PathBuf::from))?;
+    let root = Root::find(None)?;
     read_external(&root)?;
     Ok(root)
 }

@@ -33,8 +33,11 @@ pub(crate) enum Kind {
 }
 
 impl Root {
-    /// The folder of `--root`, or the nearest one from the current folder up that holds cases and plans.
+    /// Returns the folder of `--root`, or of `GRAVEL_ROOT`, or the nearest one from the current folder up that holds cases and plans.
     pub(crate) fn find(given: Option<PathBuf>) -> Result<Self> {
+        let of_environment =
+            || std::env::var_os("GRAVEL_ROOT").filter(|root| !root.is_empty()).map(PathBuf::from);
+        let given = given.or_else(of_environment);
         let is_root =
             |folder: &Path| folder.join("cases/frozen").is_dir() && folder.join("harness/plans").is_dir();
         if let Some(folder) = given {

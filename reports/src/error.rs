@@ -19,7 +19,7 @@ pub enum ReportError {
     #[error("the template: {0}")]
     Template(String),
     /// A table, or a column of it, that is not there.
-    #[error("no {what} `{name}`: there are {}", known.join(", "))]
+    #[error("no {what} `{name}`; known: {}", known.join(", "))]
     Unknown {
         /// Kind of thing asked for, in words.
         what: String,

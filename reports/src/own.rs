@@ -68,14 +68,14 @@ static IN_USE: OnceLock<InUse> = OnceLock::new();
 ///
 /// Names the key whose value is wrong. A second call is an error too, and one after the first figure.
 pub fn use_style(style: Style, font: Option<Vec<u8>>) -> Result<(), String> {
-    let positive = [
-        ("width_mm", style.width_mm),
-        ("panel_height_mm", style.panel_height_mm),
-        ("text_pt", style.text_pt),
+    let bounded = [
+        ("width_mm", style.width_mm, 20.0, 400.0),
+        ("panel_height_mm", style.panel_height_mm, 20.0, 400.0),
+        ("text_pt", style.text_pt, 4.0, 40.0),
     ];
-    for (key, value) in positive {
-        if let Some(value) = value.filter(|value| !(*value >= 1.0 && *value <= 2000.0)) {
-            return Err(format!("`{key}` = {value}: it is 1 to 2000"));
+    for (key, value, least, most) in bounded {
+        if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
+            return Err(format!("`{key}` = {value}: it is {least} to {most}"));
         }
     }
     if let Some(columns) = style.columns.filter(|columns| !(1..=12).contains(columns)) {

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 
 /// Advice on the form of a file.
-const ADVICE: &str = "commas are asked between values, and points in decimals, as in 0.25";
+const ADVICE: &str = "values are separated by commas, and decimals have points, as in 0.25";
 
 /// A grain of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,13 +140,13 @@ impl<'f> Columns<'f> {
         let moving = self.motion.into_iter().zip(motion).filter_map(|(k, v)| Some((k?, v, v.is_finite())));
         if let Some((k, value, _)) = named.chain(moving).find(|(.., valid)| !valid) {
             let (name, value) = (&self.headers[k], shown(value));
-            return Err(format!(": `{name}` is {value}: finite numbers, and positive densities, are asked"));
+            return Err(format!(": `{name}` is {value}: numbers must be finite, and densities positive"));
         }
         if grain.iter().all(|x| x.is_finite()) && grain[3] > 0.0 {
             return Ok(Placed { ball: grain, density, motion });
         }
         let found = grain.map(shown).join(", ");
-        Err(format!(": [x, y, z, radius] is [{found}]: finite numbers and a positive radius are asked"))
+        Err(format!(": [x, y, z, radius] is [{found}]: numbers must be finite, and the radius positive"))
     }
 }
 

@@ -114,7 +114,7 @@ impl Radii<'_> {
         let [least, greatest] = self.range;
         if !(least > 0.0 && least <= greatest && greatest.is_finite()) {
             return Err(format!(
-                "`sample.radius_m` is [{}, {}]: it must be positive, and not falling",
+                "`sample.radius_m` is [{}, {}]: both must be positive, the least first",
                 shown(least),
                 shown(greatest)
             ));

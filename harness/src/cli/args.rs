@@ -5,7 +5,7 @@ use crate::problems::{CaseProblem, planned};
 use crate::root::{Root, is_toml};
 use crate::study::Selection;
 use anyhow::{Context, Result, bail};
-use cases::{AnyFrozen, Case};
+use cases::AnyFrozen;
 use contact::Measure;
 use runner::Stop;
 use serde::Deserialize;

@@ -9,9 +9,11 @@ use crate::terminal::{prepare_place, read_text, say, suggest, write_whole};
 use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Pick, Style, TableFormat, Wanted, use_style};
 use results::journal::Record;
+use results::schema::Run;
 use results::simulation::Simulated;
 use results::store::tables_folder;
 use results::study::{Runs, Study as Rows};
+use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -123,10 +125,10 @@ impl StyleArgs {
 
 /// Reads a size such as `85x50` (mm).
 fn size(text: &str) -> Result<(f64, f64), String> {
-    let length = |text: &str| text.parse::<f64>().ok().filter(|length| *length >= 1.0 && *length <= 2000.0);
+    let length = |text: &str| text.parse::<f64>().ok().filter(|length| *length >= 20.0 && *length <= 400.0);
     text.split_once('x')
         .and_then(|(width, height)| Some((length(width)?, length(height)?)))
-        .ok_or_else(|| "a size is like 85x50, both 1 to 2000 mm".to_owned())
+        .ok_or_else(|| "a size is like 85x50, both 20 to 400 mm".to_owned())
 }
 
 impl FormatArgs {
@@ -206,8 +208,18 @@ fn keep(rows: &mut Rows, key: &str, pattern: &str) -> Result<()> {
         is_wanted
     };
     match rows {
-        Rows::Runs(Runs { records, .. }) => {
+        Rows::Runs(Runs { records, grains, contacts }) => {
             records.retain(|Record { run, .. }| is_wanted([&run.problem, &run.method, &run.variant]));
+            // Samples are drawn of the problems and partitions that are left.
+            let partition =
+                |run: &Run| run.settings.get("subdomains").and_then(Value::as_str).map(str::to_owned);
+            let drawn: BTreeSet<(&str, Option<String>)> =
+                records.iter().map(|Record { run, .. }| (run.problem.as_str(), partition(run))).collect();
+            let is_drawn = |problem: &str, at: &str| {
+                drawn.contains(&(problem, Some(at.trim_end_matches("-balanced").to_owned())))
+            };
+            grains.retain(|grain| is_drawn(&grain.problem, &grain.partition));
+            contacts.retain(|contact| is_drawn(&contact.problem, &contact.partition));
         }
         Rows::Simulations(all) => all.retain(|Simulated { simulation, .. }| {
             is_wanted([&simulation.scene, &simulation.method, &simulation.variant])

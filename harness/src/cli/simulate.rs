@@ -48,7 +48,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     contacts: Option<PathBuf>,
     /// A frame, contacts and a state for every K-th time step [default: 1 of frames and contacts]
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = every)]
     every: Option<NonZeroU64>,
     /// Start each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
@@ -63,6 +63,10 @@ pub(crate) struct Args {
     changes: CaseArgs,
     #[command(flatten)]
     solver: SolverArgs,
+}
+
+fn every(text: &str) -> Result<NonZeroU64, &'static str> {
+    text.parse().map_err(|_| "it is a whole number from 1")
 }
 
 /// Heading above the rows on the terminal.

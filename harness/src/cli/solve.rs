@@ -138,8 +138,8 @@ pub(crate) fn say_measures(measures: &Measures) -> Result<()> {
     for measure in Measure::ALL {
         let (name, value) = (measure.name(), measures.get(measure));
         let unit = if measure == Measure::PenetrationRate { " m/s" } else { "" };
-        // Without the solution there is no error, and without grains no norm of LMGC90's; ζ has none from r = 0.
-        if measure == Measure::Zeta || !value.is_nan() {
+        // Without the solution there is no error, without grains no norm of LMGC90's, from r = 0 or of another code no ζ.
+        if !value.is_nan() {
             say(format_args!("  {name:<17}{value:.3e}{unit}"))?;
         }
     }

@@ -240,9 +240,7 @@ impl Answer {
             }
         };
         say(format_args!("take --method {}: {why}", first.named()))?;
-        say(format_args!(
-            "This holds for this problem. `gravel report which-method` has samples of many kinds."
-        ))
+        say(format_args!("This holds for this problem; reports/which-method.md has samples of many kinds."))
     }
 }
 

@@ -57,7 +57,7 @@ impl How<'_> {
 /// Reads a number of threads. To start more than a few hundred takes a system seconds, and brings nothing where there are
 /// fewer processors.
 pub(crate) fn few(text: &str) -> Result<NonZeroUsize, String> {
-    let number: NonZeroUsize = text.parse().map_err(|error| format!("{error}"))?;
+    let number: NonZeroUsize = text.parse().map_err(|_| "it is a whole number from 1".to_owned())?;
     let most = std::thread::available_parallelism().map_or(256, |processors| processors.get().max(256));
     if number.get() <= most { Ok(number) } else { Err(format!("it must be at most {most}")) }
 }

@@ -171,7 +171,7 @@ fn notes<K: Kind>(study: &K, tasks: &[Task<K::What<'_>>], records: &[K::Record])
     note(
         ended.iter().filter(is_crowded).count(),
         &format!(
-            "More processes than processors when it began: {{}} {what}; their seconds may be longer than those of a run alone."
+            "More processes than processors at their start: {{}} {what}; their seconds may be longer than those of a run alone."
         ),
     );
     let repeats = study.selection().plan.repeats.get();

@@ -23,8 +23,8 @@ struct Cli {
     /// Threads of each rank; results do not depend on it
     #[arg(long, global = true, value_name = "N", default_value = "1", value_parser = few)]
     threads: NonZeroUsize,
-    /// The checkout, with cases/ and harness/plans/ [default: the current folder or one above it]
-    #[arg(long, global = true, value_name = "DIR", env = "GRAVEL_ROOT", hide_env_values = true)]
+    /// The checkout, with cases/ and harness/plans/ [default: GRAVEL_ROOT, else the current folder or one above it]
+    #[arg(long, global = true, value_name = "DIR")]
     root: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,

@@ -34,7 +34,7 @@ Exit codes:
        converges; certify: not certified; simulate: exploded, solver-diverged, a time step did
        not converge, or the condition of --until was not met
     4  solve, which, certify: it is proved that the problem has no solution; simulate: so for a time step
-  130  stopped by Ctrl-C or SIGTERM; what was reached is kept, but no run inside an iteration
+  130  stopped by Ctrl-C or SIGTERM; what was reached is kept, except by a run inside an iteration
        of more than a second
 A run of `bench` that fails is a row like any other: exit code 0.";
 

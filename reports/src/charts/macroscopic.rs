@@ -218,12 +218,8 @@ fn figure(
         here.filter_map(|d| Some((log(d.tolerance), bounds(d.of[0]?)))).collect()
     };
     let packings = unique(solved.iter().map(|s| s.simulation.scene.as_str())).len() / grains.len();
-    let mut signs = vec![(
-        Sign::Word,
-        format!(
-            "Means over packings, about {packings} for each μ, with intervals of 95 %; methods stand a little apart to be seen."
-        ),
-    )];
+    let mut signs =
+        vec![(Sign::Word, format!("Means over packings, {packings} for each μ, with intervals of 95 %."))];
     if left_out > 0 {
         let text = format!("Left out, not completed or with a time step missed: {left_out}.");
         signs.push((Sign::Word, text));

@@ -289,7 +289,7 @@ impl Plot {
         let columns = match (own::style().columns.unwrap_or(self.columns), self.panels.len()) {
             (0, 4) => 2,
             (0, count) => count.min(self.most_columns()).clamp(1, 3),
-            (columns, _) => columns,
+            (columns, _) => columns.min(self.most_columns()).max(1),
         };
         (columns, self.panels.len().div_ceil(columns))
     }
