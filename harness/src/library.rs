@@ -31,7 +31,8 @@ pub use simulation::{Advanced, Bodies, Simulation, Table};
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
-    method: String,
+    /// Name of the method; `None` for that of the command line.
+    method: Option<String>,
     /// Settings of the method; those left out have their defaults.
     settings: Map<String, Value>,
     stop: Stop,
@@ -182,8 +183,7 @@ pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) 
         let request: Request =
             serde_path_to_error::deserialize(request).map_err(|error| wrong_key(&error))?;
         let frozen = AnyFrozen::of_text(Path::new("the problem"), text)?;
-        let method = Method::new(&request.method, request.settings.clone())?;
-        in_the_pool(|| solved(&root, &request, &method, frozen, &stops))
+        in_the_pool(|| solved(&root, request, frozen, &stops))
     };
     run().map_err(|error| crate::in_one_paragraph(&error))
 }
@@ -196,6 +196,15 @@ fn root() -> Result<Root> {
     Ok(root)
 }
 
+/// Returns the method of this name, or else that of the command line, whose own settings stay unless others are given.
+fn named_or_default(name: Option<&str>, settings: Map<String, Value>, is_frictional: bool) -> Result<Method> {
+    let default = Method::marching(is_frictional, "none")?;
+    match name {
+        None if settings.is_empty() => Ok(default),
+        name => Method::new(name.unwrap_or(default.name), settings),
+    }
+}
+
 /// Returns the error of a request by the key that its caller gave.
 fn wrong_key(error: &serde_path_to_error::Error<serde_json::Error>) -> anyhow::Error {
     let path = error.path().to_string();
@@ -204,22 +213,22 @@ fn wrong_key(error: &serde_path_to_error::Error<serde_json::Error>) -> anyhow::E
 
 fn solved(
     root: &Root,
-    Request { stop, warm_start, truth, .. }: &Request,
-    method: &Method,
+    Request { method, settings, stop, warm_start, truth }: Request,
     frozen: AnyFrozen,
     stops: &dyn Fn() -> bool,
 ) -> Result<Solved> {
     stop.check()?;
-    let problem = Problem::alone(frozen, *truth || stop.on == Measure::VelocityError);
+    let problem = Problem::alone(frozen, truth || stop.on == Measure::VelocityError);
+    let method = &named_or_default(method.as_deref(), settings, problem.posed.facts().of_contact > 1)?;
     let known = problem.known(root)?;
     let mut recorder = Recorder::new(Curves::Whole);
     let mut observe = |progress: &Progress| {
         recorder.observe(progress);
         if stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let outcome = outcome(&problem, known, (method, stop), &problem.start(*warm_start), &mut observe)
+    let outcome = outcome(&problem, known, (method, &stop), &problem.start(warm_start), &mut observe)
         .with_context(|| format!("method `{}` on {}", method.name, problem.name))?;
-    let mut told = to_json(asked(&problem, method, stop, *warm_start), &outcome)?;
+    let mut told = to_json(asked(&problem, method, &stop, warm_start), &outcome)?;
     told["residuals"] = serde_json::to_value(outcome.measures)?;
     told["curve"] = serde_json::to_value(recorder.finish())?;
     let (facts, of_grains) = (problem.posed.facts(), problem.posed.grains()?);

@@ -45,26 +45,33 @@ class Solution:
     """What a method found, for g grains and c contacts.
 
     Two are equal if they ended alike after as many iterations, at the same impulses and velocities; seconds do not count.
+
+    status               `converged`, or how else it ended: `iteration-limit`, `stalled`, `diverged`, `false-convergence`,
+                         `infeasible`.
+    iterations           Iterations of the method.
+    impulses             r (N s), in the problem's order of contacts: (c,) along the normals, not negative; with friction (c,
+                         2), normal and tangential, along t = [-n_y, n_x]; between spheres (c, 3), along the tangents of Duff
+                         et al. (2017).
+    velocities           V (m/s, with friction then rad/s) of each grain at the end of the time step, of the shape of
+                         `free_velocity`.
+    relative_velocities  v (m/s) at each contact, of the shape of `impulses`: positive along the normal where a contact
+                         opens.
+    residuals            Every measure of the last iterate by its name, such as `natural_map` (-), 0 exactly at a solution;
+                         NaN where one is not defined, as `velocity_error` is without `truth`.
+    curve                Columns of the curve: `iteration`, `iterating_s` (s), the residuals, counted work. Of each an array,
+                         a sample in each row.
+    told                 All that `gravel solve --json` prints: settings with their defaults, what they derive, seconds,
+                         counted work.
     """
 
     status: str
-    """`converged`, or how else it ended: `iteration-limit`, `stalled`, `diverged`, `false-convergence`, `infeasible`."""
     iterations: int
-    """Iterations of the method."""
     impulses: np.ndarray
-    """r (N s), in the problem's order of contacts: (c,) along the normals, not negative; with friction (c, 2), normal and
-    tangential, along t = [-n_y, n_x]; between spheres (c, 3), along the tangents of Duff et al. (2017)."""
     velocities: np.ndarray
-    """V (m/s, with friction then rad/s) of each grain at the end of the time step, of the shape of `free_velocity`."""
     relative_velocities: np.ndarray
-    """v (m/s) at each contact, of the shape of `impulses`: positive along the normal where a contact opens."""
     residuals: dict[str, float]
-    """Every measure of the last iterate by its name, such as `natural_map` (-), 0 exactly at a solution; NaN where one is not
-    defined, as `velocity_error` is without `truth`."""
     curve: dict[str, np.ndarray]
-    """Columns of the curve: `iteration`, `iterating_s` (s), the residuals, counted work. Of each an array, a sample in each row."""
     told: dict[str, Any]
-    """All that `gravel solve --json` prints: settings with their defaults, what they derive, seconds, counted work."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):
@@ -87,30 +94,33 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A moment of a simulation, for b bodies: the grains, and last a lid or driven segments."""
+    """A moment of a simulation, for b bodies: the grains, and last a lid or driven segments.
+
+    time_step   Time steps since time began.
+    time        Time (s).
+    radii       (b,) (m).
+    masses      (b,) (kg).
+    positions   (b, 2), of spheres (b, 3) (m).
+    velocities  (b, 2), of spheres (b, 3) (m/s).
+    spins       (b,), anticlockwise, of spheres (b, 3) (rad/s); `None` without friction.
+    contacts    Columns of the contacts of the time step that led here, each (c,), as `gravel simulate --contacts` writes
+                them: `candidate`, `antagonist` (-1: a wall), `body`, `x_m`, `normal_x`, `gap_m`, `normal_impulse_n_s` (N s)
+                and others; the normal points from the antagonist to the candidate. `None` where they were not asked for, and
+                before the first time step.
+    walls       Walls as they are drawn, each by its corners (k, 3) (m): lines of 2 in 2D, faces of 4 in 3D.
+    grains      Number of grains, the first of the bodies.
+    """
 
     time_step: int
-    """Time steps since time began."""
     time: float
-    """Time (s)."""
     radii: np.ndarray
-    """(b,) (m)."""
     masses: np.ndarray
-    """(b,) (kg)."""
     positions: np.ndarray
-    """(b, 2), of spheres (b, 3) (m)."""
     velocities: np.ndarray
-    """(b, 2), of spheres (b, 3) (m/s)."""
     spins: np.ndarray | None
-    """(b,), anticlockwise, of spheres (b, 3) (rad/s); `None` without friction."""
     contacts: dict[str, np.ndarray] | None
-    """Columns of the contacts of the time step that led here, each (c,), as `gravel simulate --contacts` writes them:
-    `candidate`, `antagonist` (-1: a wall), `body`, `x_m`, `normal_x`, `gap_m`, `normal_impulse_n_s` (N s) and others; the normal points from
-    the antagonist to the candidate. `None` where they were not asked for, and before the first time step."""
     walls: list[np.ndarray]
-    """Walls as they are drawn, each by its corners (k, 3) (m): lines of 2 in 2D, faces of 4 in 3D."""
     grains: int
-    """Number of grains, the first of the bodies."""
 
     def __repr__(self) -> str:
         return f"<Frame: time step {self.time_step}, t = {self.time:.6g} s, {len(self.radii)} bodies>"
@@ -118,21 +128,25 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """A scene through time."""
+    """A scene through time.
+
+    status  `completed`, `interrupted`, `exploded`, `solver-diverged` or `no-solution`.
+    reason  The evidence of the explosion, or how many time steps missed the tolerance; empty where all is well.
+    is_met  True if the condition `until` ended it; `None` without one.
+    series  Columns with a value per time step, each (n,), as `gravel simulate -o` writes them: `time_s` (s), `contacts`,
+            `iterations`, `kinetic_energy_j` (J), `mean_height_m` (m), `floor_impulse_n_s` (N s) and others; NaN where one is
+            not defined.
+    frames  The first moment, and every `every`-th and the last time step.
+    told    Method, settings with their defaults, and `totals` of all time steps: iterations, seconds, counted work, energies
+            (J).
+    """
 
     status: str
-    """`completed`, `interrupted`, `exploded`, `solver-diverged` or `no-solution`."""
     reason: str
-    """The evidence of the explosion, or how many time steps missed the tolerance; empty where all is well."""
     is_met: bool | None
-    """True if the condition `until` ended it; `None` without one."""
     series: dict[str, np.ndarray]
-    """Columns with a value per time step, each (n,), as `gravel simulate -o` writes them: `time_s` (s), `contacts`, `iterations`,
-    `kinetic_energy_j` (J), `mean_height_m` (m), `floor_impulse_n_s` (N s) and others; NaN where one is not defined."""
     frames: list[Frame]
-    """The first moment, and every `every`-th and the last time step."""
     told: dict[str, Any]
-    """Method, settings with their defaults, and `totals` of all time steps: iterations, seconds, counted work, energies (J)."""
 
     def __repr__(self) -> str:
         end = self.frames[-1]
@@ -152,7 +166,7 @@ def _table(rows: Mapping[str, Any]) -> str:
 
 def solve(
     problem: Problem | str | PathLike[str],
-    method: str = "active-set",
+    method: str | None = None,
     *,
     tolerance: float = 1e-6,
     on: Measure = "natural_map",
@@ -164,7 +178,8 @@ def solve(
     """Solves the contact problem of one time step.
 
     problem         what `load` gives, a dict of the same keys, or the path (in a checkout also the name) of a file or a case
-    method          one of `gravel list methods`; `settings` are its settings, such as relaxation=1.2 or subdomains="4x2"
+    method          one of `gravel list methods`, without it cg, with friction active-set; `settings` are its settings, such as
+                    relaxation=1.2 or subdomains="4x2"
     tolerance, on   it has converged when this measure is at most the tolerance
     warm_start      begin from `contacts["start"]`, the impulses of the time step before (N s)
     truth           seek the solution first, and measure the distance to it: `residuals["velocity_error"]` (-)
@@ -172,6 +187,8 @@ def solve(
     Returns a `Solution`, whether it converged or not. Ctrl-C raises `KeyboardInterrupt` at once; what the method was at ends
     in the background, with its current iteration. A `ValueError` names what has no meaning by its key.
     """
+    if not isinstance(problem, (dict, str, PathLike)):
+        raise TypeError(f"`problem` is {problem!r}: it is a dict as `load` gives it, or the path or name of a file")
     text = json.dumps(_listed(problem)) if isinstance(problem, dict) else _native.problem(str(problem), [], None)
     stop = _stop(on, tolerance, max_iterations)
     request = {"method": method, "settings": _listed(settings), "stop": stop, "warm_start": warm_start, "truth": truth}
