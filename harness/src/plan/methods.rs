@@ -2,7 +2,7 @@
 
 use crate::identity::code_version;
 use crate::plan::external::{External, Programme};
-use crate::root::{Kind, Root};
+use crate::root::{Kind, Root, stem};
 use crate::terminal::suggest;
 use anyhow::{Context, Result, anyhow, bail};
 use lineup::{METHODS, Ours, Settings};
@@ -80,21 +80,32 @@ impl Entry {
 
 static EXTERNAL: OnceLock<Vec<&'static External>> = OnceLock::new();
 
-/// Reads the other codes of the checkout, unless some were read: from now on they are methods as well.
+/// Descriptions of other codes that are wrong, each by its name, with its error.
+static WRONG: OnceLock<Vec<(String, String)>> = OnceLock::new();
+
+/// Reads the other codes of the checkout, unless some were read: from now on they are methods as well. A wrong description is an error
+/// where its code is named.
 pub(crate) fn read_external(root: &Root) -> Result<()> {
     if EXTERNAL.get().is_some() {
         return Ok(());
     }
-    let mut entries = Vec::new();
+    let (mut entries, mut wrong) = (Vec::new(), Vec::new());
     for path in root.all(Kind::External)? {
-        // Once in the life of the program, and for as long.
-        let external: &External = Box::leak(Box::new(External::read(&path)?));
+        let external = match External::read(&path) {
+            Ok(external) => external,
+            Err(error) => {
+                wrong.push((stem(&path), format!("{error:#}")));
+                continue;
+            }
+        };
         if METHODS.iter().any(|ours| ours.name == external.name) {
             bail!("{}: `{}` is a method of ours", path.display(), external.name);
         }
-        entries.push(external);
+        // Once in the life of the program, and for as long.
+        entries.push(&*Box::leak(Box::new(external)));
     }
     drop(EXTERNAL.set(entries));
+    drop(WRONG.set(wrong));
     Ok(())
 }
 
@@ -118,6 +129,9 @@ impl Method {
     /// The method `name` with `settings`; what they leave out has its default.
     pub(crate) fn new(name: &str, settings: Settings) -> Result<Self> {
         let Some(entry) = method(name) else {
+            if let Some((_, error)) = WRONG.get().into_iter().flatten().find(|(wrong, _)| wrong == name) {
+                bail!("{error}");
+            }
             bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, method_names()));
         };
         let wrong = |error| anyhow!("method `{name}`, {error}");

@@ -62,6 +62,17 @@ fn answer_is_measured_and_less_is_asked_until_the_stop_rule_is_met() {
 }
 
 #[test]
+fn wrong_description_is_an_error_where_its_code_is_named_and_nowhere_else() {
+    let study = study(&CODE.replace("version =", "versoin ="));
+    study.gravel(&["solve", "pair", "--method", "nsgs"]).succeeded();
+    study.gravel(&["solve", "pair", "--method", "code"]).refused(&[
+        "code.toml",
+        "unknown field `versoin`",
+        "did you mean `version`?",
+    ]);
+}
+
+#[test]
 fn code_that_never_meets_the_stop_rule_has_stalled() {
     let row = ran(CODE, "set = { tolerances = [0.1] }\n").remove(0);
     assert_eq!(row["status"], "stalled");

@@ -217,9 +217,16 @@ fn figure(
         let here = differences.iter().filter(|d| d.grains == middle && d.method == label);
         here.filter_map(|d| Some((log(d.tolerance), bounds(d.of[0]?)))).collect()
     };
-    let packings = unique(solved.iter().map(|s| s.simulation.scene.as_str())).len() / grains.len();
-    let mut signs =
-        vec![(Sign::Word, format!("Means over packings, {packings} for each μ, with intervals of 95 %."))];
+    let packings = grains.iter().map(|mu| {
+        let here = solved.iter().filter(|s| s.grains == *mu && s.simulation.tolerance == tolerances[0]);
+        unique(here.map(|s| s.simulation.scene.as_str())).len() as f64
+    });
+    let packings = match span(packings) {
+        Some((least, most)) if least < most => format!("{least} to {most} packings"),
+        counts => format!("{} packings", counts.map_or(0.0, |(least, _)| least)),
+    };
+    let text = format!("Means over {packings} for each μ at the left, with intervals of 95 %.");
+    let mut signs = vec![(Sign::Word, text)];
     if left_out > 0 {
         let text = format!("Left out, not completed or with a time step missed: {left_out}.");
         signs.push((Sign::Word, text));
