@@ -144,7 +144,6 @@ fn files(what: &[PathBuf]) -> Result<Vec<PathBuf>> {
 fn one(collection: &Collection, file: &Path, dry_run: bool) -> Result<String> {
     let name = || file.display().to_string();
     let submission = Submission::read(file)?;
-    let _lock = if dry_run { None } else { Some(collection.locked()?) };
     let entry = collection.entry(&submission.problem).with_context(|| format!("{}: `problem`", name()))?;
     let problem =
         collection.problem(&entry)?.with_context(|| format!("{}: {}", name(), not_here(&entry.id)))?;

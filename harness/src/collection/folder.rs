@@ -7,7 +7,6 @@ use crate::root::{Root, is_id, stem};
 use crate::terminal::{read_sealed, write_kept, write_sealed};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// A collection of problems, as a folder.
@@ -29,15 +28,6 @@ impl<'r> Collection<'r> {
         }
         let here = || root.needed().map(|root| root.join("cases/collection"));
         Ok(Self { root, folder: folder.map_or_else(here, |folder| Ok(folder.to_owned()))? })
-    }
-
-    /// Locks the collection until the result is dropped, so that nobody replaces what was read here before it is written; waits for
-    /// whoever has locked it.
-    pub(crate) fn locked(&self) -> Result<File> {
-        let entries = self.folder.join("entries");
-        // A folder stays the same while files in it are replaced.
-        let lock = || File::open(&entries).and_then(|folder| folder.lock().map(|()| folder));
-        lock().with_context(|| format!("{}: it cannot be locked", entries.display()))
     }
 
     /// A file of it, of a `kind`: `entries`, `problems`, `answers` or `submissions`.

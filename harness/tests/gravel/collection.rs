@@ -6,9 +6,7 @@ use seal::sealed;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
+use std::process::Command;
 
 /// A checkout with the pair in its collection, and the id of the pair.
 fn with_pair() -> (Study, String) {
@@ -226,37 +224,6 @@ fn submission_is_judged_filed_and_certifies_an_open_problem() {
     assert!(shown.contains("claimed: 0.5 s"), "{shown}");
     let checked = study.gravel(&["collection", "check", "--sample", "1"]).succeeded().stdout;
     assert_eq!(checked, "1 problems, 3 submissions: 0 faults\n");
-}
-
-#[test]
-fn accept_waits_for_another_and_replaces_nothing_that_it_has_not_read() {
-    let (study, id) = with_pair();
-    let answers = file(&study, &format!("answers/{id}.json.gz"));
-    let entry = file(&study, &format!("entries/{id}.toml"));
-    let certified = [&answers, &entry].map(|file| fs::read(file).unwrap());
-    opened(&study, &id);
-    let better = write(study.folder(), "better.json", &submission(&id, &json!([0.12, 0.08])).to_string());
-    let lock = fs::File::open(file(&study, "entries")).unwrap();
-    lock.lock().unwrap();
-    let root = study.folder().path();
-    let mut accept = Command::new(env!("CARGO_BIN_EXE_gravel"))
-        .args(["accept", text(&better)])
-        .env("GRAVEL_ROOT", root)
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // It takes a tenth of that where nobody holds the lock.
-    sleep(Duration::from_secs(2));
-    assert!(accept.try_wait().unwrap().is_none(), "it does not wait");
-    // Another certifies the problem meanwhile.
-    for (file, content) in [&answers, &entry].into_iter().zip(&certified) {
-        fs::write(file, content).unwrap();
-    }
-    lock.unlock().unwrap();
-    let said = String::from_utf8(accept.wait_with_output().unwrap().stdout).unwrap();
-    assert!(said.contains("1 accepted") && !said.contains("least natural map"), "{said}");
-    assert_eq!([&answers, &entry].map(|file| fs::read(file).unwrap()), certified);
-    study.gravel(&["collection", "check"]).succeeded();
 }
 
 /// The pair with friction: grains that may spin, on a floor and on each other.
