@@ -18,6 +18,7 @@ mod cli {
     pub(crate) mod report;
     pub(crate) mod schema;
     pub(crate) mod simulate;
+    pub(crate) mod site;
     pub(crate) mod solve;
     pub(crate) mod split;
     pub(crate) mod submit;
@@ -206,7 +207,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
     bench, certify, collection as collected, convert, freeze, init, list, merge, plan as show, regress,
-    report, schema, simulate, solve, split, submit, view, which,
+    report, schema, simulate, site, solve, split, submit, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;
@@ -240,6 +241,8 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
+    /// Write a site of static pages, for any browser, offline: from the archive, the collection and the pages of the tree
+    Site(site::Args),
     /// Print a table of the newest stored study of a plan, or some columns and rows of it, for a paper or a program
     Table(report::TableArgs),
     /// Write an HTML page that replays how methods, or a stored run, converge on a problem
@@ -338,6 +341,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Report(args) => report::run(root.needed()?, &args)?,
         Command::Figure(args) => report::figure(root.needed()?, &args)?,
         Command::Table(args) => report::table(root.needed()?, &args)?,
+        Command::Site(args) => in_the_pool(|| site::run(root.needed()?, &args))?,
         Command::View(args) => in_the_pool(|| view::run(&root, &args))?,
         Command::Merge(args) => return merge::run(root.needed()?, &args),
         Command::Regress(args) => return regress::regress(root.needed()?, &args),
