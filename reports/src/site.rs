@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use contact::Measure;
-use minijinja::value::Serde;
 use minijinja::context;
+use minijinja::value::Serde;
 use polars::df;
 use polars::prelude::{DataFrame, NamedFrom, Series};
 use rayon::prelude::*;
@@ -117,7 +117,7 @@ pub fn site(site: &Site, out: &Path, progress: &dyn Fn() -> bool) -> Result<Opti
     let of_problems = site.problems.par_iter().map(|problem| pages.problem(problem));
     files.extend(of_problems.collect::<Result<Vec<_>, _>>()?);
     for (name, text) in &site.pages {
-        let content = context! { title => title(text), body => pages.html(text) };
+        let content = context! { title => title(text), body => pages.html(text.trim_start_matches(&format!("# {}", title(text)))) };
         files.push(File::new(format!("page-{name}.html"), filled("list.html", content)?));
     }
     let figures = site.figures.iter().map(|(name, svg)| File::new(format!("{name}.svg"), svg.clone()));
@@ -189,10 +189,23 @@ impl<'s> Pages<'s> {
 
     fn runs(&self) -> Result<String, ReportError> {
         let runs = self.rows_of_runs("runs", &|_| true)?.chosen_by(&[
-            "study", "method", "mechanics", "grains", "friction", "state", "start", "status",
+            "study",
+            "method",
+            "mechanics",
+            "grains",
+            "μ",
+            "state",
+            "start",
+            "status",
         ]);
         let simulations = Rows::of("simulations", &self.simulations, "")?.chosen_by(&[
-            "study", "method", "mechanics", "grains", "friction", "tolerance", "status",
+            "study",
+            "method",
+            "mechanics",
+            "grains",
+            "μ",
+            "tolerance",
+            "status",
         ]);
         let content = context! {
             title => "All runs",
@@ -215,7 +228,7 @@ impl<'s> Pages<'s> {
             "mechanics" => text("mechanics"),
             "grains" => whole("grains"),
             "contacts" => whole("contacts"),
-            "friction" => problems.iter().map(|p| friction(p.entry["friction"][1].as_f64())).collect::<Vec<_>>(),
+            "μ" => problems.iter().map(|p| friction(p.entry["friction"][1].as_f64())).collect::<Vec<_>>(),
             "state" => text("state"),
             "status" => problems.iter().map(Collected::status).collect::<Vec<_>>(),
             "natural_map" => known("natural_map"),
@@ -224,7 +237,7 @@ impl<'s> Pages<'s> {
             "best_by" => text("by"),
             "id" => text("id"),
         ));
-        let filters = &["mechanics", "grains", "friction", "state", "status"];
+        let filters = &["mechanics", "grains", "μ", "state", "status"];
         let rows = Rows::linked("problems", &table, "", &leads)?.chosen_by(filters);
         let content = context! {
             title => "Problems",
@@ -356,10 +369,15 @@ impl<'s> Pages<'s> {
         let mut busy = Vec::new();
         for (name, study) in self.ranked() {
             let kinds = kinds(&study.runs);
-            fields.extend(ranked(&kinds, &natural_maps(&study.runs)).iter().map(|ranked| self.field(name, ranked)));
+            fields.extend(
+                ranked(&kinds, &natural_maps(&study.runs)).iter().map(|ranked| self.field(name, ranked)),
+            );
             for rough in [true, false] {
                 let facts = |run: &&RunRow| {
-                    self.site.facts.get(&run.problem_hash).is_some_and(|facts| (facts.friction > 0.0) == rough)
+                    self.site
+                        .facts
+                        .get(&run.problem_hash)
+                        .is_some_and(|facts| (facts.friction > 0.0) == rough)
                 };
                 let cold = study.runs.iter().filter(|run| !run.warm_start).filter(facts);
                 let law = if rough { "with friction" } else { "without friction" };
@@ -370,28 +388,34 @@ impl<'s> Pages<'s> {
             }
             let timed: Vec<&RunRow> = study.runs.iter().filter(|run| run.status != Ending::Skipped).collect();
             let crowded = |run: &&&RunRow| {
-                run.provenance.processors > 0 && run.timing.load_average > f64::from(run.provenance.processors)
+                run.provenance.processors > 0
+                    && run.timing.load_average > f64::from(run.provenance.processors)
             };
             let crowded = timed.iter().filter(crowded).count();
-            busy.push(format!("Of the {} of {name}, {} began while more processes wanted to run than there are processors.", counted(timed.len(), "timed run"), count(crowded)));
+            busy.push(format!(
+                "Of the {} of {name}, {} began while more processes wanted to run than there are processors.",
+                counted(timed.len(), "timed run"),
+                count(crowded)
+            ));
         }
         let statuses = unique(self.site.hazards.iter().map(|hazard| hazard.status.as_str()));
         let of = |method: &str, status: Option<&str>| {
             let own = self.site.hazards.iter().filter(|hazard| hazard.method == method);
             own.filter(|hazard| status.is_none_or(|status| hazard.status == status)).count() as u64
         };
-        let counts = |status: Option<&str>| Series::new(
-            status.unwrap_or("runs").replace('-', " ").into(),
-            self.methods.iter().map(|method| of(method, status)).collect::<Vec<_>>(),
-        );
-        let mut stability = frame(df!("method" => self.methods.iter().map(String::as_str).collect::<Vec<_>>()));
+        let counts = |status: Option<&str>| {
+            Series::new(
+                status.unwrap_or("runs").replace('-', " ").into(),
+                self.methods.iter().map(|method| of(method, status)).collect::<Vec<_>>(),
+            )
+        };
+        let mut stability =
+            frame(df!("method" => self.methods.iter().map(String::as_str).collect::<Vec<_>>()));
         for status in std::iter::once(None).chain(statuses.into_iter().map(Some)) {
             stability.with_column(counts(status).into())?;
         }
         let leads = |row: usize, heading: &str| (heading == "method").then(|| of_method(&self.methods[row]));
-        let figure = |name: &str, words: &str| {
-            self.site.figures.get(name).map(|svg| inline(svg, words))
-        };
+        let figure = |name: &str, words: &str| self.site.figures.get(name).map(|svg| inline(svg, words));
         let page = |name: &str| {
             self.site.pages.get(name).map(|text| context! {
                 name, title => title(text), lead => self.html(lead(text)),
@@ -403,7 +427,8 @@ impl<'s> Pages<'s> {
         let content = context! {
             fields => json(&fields), busy, pairs,
             stability => Serde(Rows::linked("stability", &stability, "", &leads)?),
-            atlas => figure("atlas", "Class of every run over hazards, methods and settings"),
+            atlas => figure("atlas", "Class of the run of every method on every hazard"),
+            residuals => figure("speed", "The residual that each method leaves after so many seconds"),
             speed => page("which-method"),
             needs => ["tolerance", "statics", "elasticity"].map(page),
             mechanics => figure("mechanics", "Effect of friction and of the third dimension on a packing, and its cost"),
@@ -531,13 +556,6 @@ fn runs(site: &Site, studies: &[(&str, Problems)]) -> DataFrame {
         runs.iter().map(|(_, run)| COSTS[0].to(run, Measure::NaturalMap, accuracy)).collect::<Vec<_>>()
     };
     frame(df!(
-        "study" => runs.iter().map(|(study, _)| *study).collect::<Vec<_>>(),
-        "problem" => text(|run| run.problem.clone()),
-        "mechanics" => facts.iter().map(|facts| facts.mechanics.as_str()).collect::<Vec<_>>(),
-        "grains" => runs.iter().map(|(_, run)| run.grains_asked()).collect::<Vec<_>>(),
-        "friction" => facts.iter().map(|facts| friction(Some(facts.friction))).collect::<Vec<_>>(),
-        "state" => facts.iter().map(|facts| facts.state.as_str()).collect::<Vec<_>>(),
-        "start" => runs.iter().map(|(_, run)| start(run)).collect::<Vec<_>>(),
         "method" => text(|run| run.method.clone()),
         "settings" => text(|run| run.set.clone()),
         "status" => text(|run| ending_text(run.status)),
@@ -547,6 +565,13 @@ fn runs(site: &Site, studies: &[(&str, Problems)]) -> DataFrame {
         "natural_map_1e_6_s" => to(1e-6),
         "natural_map_1e_8_s" => to(1e-8),
         "least_natural_map" => runs.iter().map(|(_, run)| run.least().map(|(least, _)| least)).collect::<Vec<_>>(),
+        "mechanics" => facts.iter().map(|facts| facts.mechanics.as_str()).collect::<Vec<_>>(),
+        "grains" => runs.iter().map(|(_, run)| run.grains_asked()).collect::<Vec<_>>(),
+        "μ" => facts.iter().map(|facts| friction(Some(facts.friction))).collect::<Vec<_>>(),
+        "state" => facts.iter().map(|facts| facts.state.as_str()).collect::<Vec<_>>(),
+        "start" => runs.iter().map(|(_, run)| start(run)).collect::<Vec<_>>(),
+        "problem" => text(|run| run.problem.clone()),
+        "study" => runs.iter().map(|(study, _)| *study).collect::<Vec<_>>(),
         "id" => text(|run| run.id.clone()),
     ))
 }
@@ -567,13 +592,14 @@ fn simulations(site: &Site) -> DataFrame {
     let none = Facts::default();
     let facts: Vec<&Facts> =
         all.iter().map(|(_, one)| site.facts.get(&one.scene_hash).unwrap_or(&none)).collect();
-    let text = |of: fn(&crate::read::Simulation) -> String| all.iter().map(|(_, one)| of(one)).collect::<Vec<_>>();
+    let text =
+        |of: fn(&crate::read::Simulation) -> String| all.iter().map(|(_, one)| of(one)).collect::<Vec<_>>();
     frame(df!(
         "study" => all.iter().map(|(study, _)| *study).collect::<Vec<_>>(),
         "scene" => text(|one| one.scene.clone()),
         "mechanics" => facts.iter().map(|facts| facts.mechanics.as_str()).collect::<Vec<_>>(),
         "grains" => all.iter().map(|(_, one)| one.grains).collect::<Vec<_>>(),
-        "friction" => facts.iter().map(|facts| friction(Some(facts.friction))).collect::<Vec<_>>(),
+        "μ" => facts.iter().map(|facts| friction(Some(facts.friction))).collect::<Vec<_>>(),
         "method" => text(|one| one.method.clone()),
         "variant" => text(|one| one.variant.clone()),
         "tolerance" => text(|one| number(one.tolerance, 2)),
@@ -592,7 +618,9 @@ fn matrix(name: &str, pairs: &[Pair]) -> Result<Rows, ReportError> {
     let methods = unique(pairs.iter().map(|pair| pair.method.as_str()));
     let share = |method: &str, against: &str| {
         let pair = pairs.iter().find(|pair| pair.method == method && pair.against == against);
-        let Some(pair) = pair.filter(|pair| pair.counts.iter().sum::<u64>() > 0) else { return "–".to_owned() };
+        let Some(pair) = pair.filter(|pair| pair.counts.iter().sum::<u64>() > 0) else {
+            return "–".to_owned();
+        };
         let all = pair.counts.iter().sum::<u64>() as f64;
         let [wins, ties, _] = pair.counts.map(|count| (100.0 * count as f64 / all).round());
         format!("{wins}\u{a0}+\u{a0}{ties} of {all}")
@@ -604,6 +632,3 @@ fn matrix(name: &str, pairs: &[Pair]) -> Result<Rows, ReportError> {
     }
     Rows::of(name, &table, "")
 }
-
-#[cfg(test)]
-mod tests;

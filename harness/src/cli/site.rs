@@ -90,7 +90,8 @@ fn collected(collection: &Collection) -> Result<Vec<Collected>> {
                 let answers = collection.answers(&entry.id)?;
                 let (r, is_proof) = answers.first();
                 let tangents = if is_proof { problem.facts().of_contact - 1 } else { 0 };
-                let r: Vec<f64> = r.iter().flat_map(|r| [*r].into_iter().chain(repeat_n(0.0, tangents))).collect();
+                let r: Vec<f64> =
+                    r.iter().flat_map(|r| [*r].into_iter().chain(repeat_n(0.0, tangents))).collect();
                 let whole = [(String::new(), Grid::ONE, Scheme::Boxes)];
                 scene_rows((&entry.name, &*problem), &whole, Some(&r))
             }
@@ -151,7 +152,11 @@ fn of_problem(root: &Root, name: &str, settings: &Map<String, Value>) -> Result<
         let Posed::Grains(grains) = &problem.posed else { return Ok(Facts::default()) };
         let touching = grains.touching();
         let friction = touching.iter().map(|contact| contact.friction).fold(0.0, f64::max);
-        return Ok(Facts { mechanics: grains.facts().mechanics.to_owned(), friction, state: "other".to_owned() });
+        return Ok(Facts {
+            mechanics: grains.facts().mechanics.to_owned(),
+            friction,
+            state: "other".to_owned(),
+        });
     };
     let mut scene = settings.clone();
     scene.retain(|key, _| ![CASE, TIME_STEP, MOMENT, MARCH, MISSED_BEFORE].contains(&key.as_str()));
@@ -181,7 +186,9 @@ fn hazards(root: &Root) -> Result<Vec<Hazard>> {
             method: method.to_owned(),
             settings: settings.to_owned(),
             status: status.to_owned(),
-            iterations: iterations.parse().with_context(|| format!("{}: `iterations` is {iterations}", file.display()))?,
+            iterations: iterations
+                .parse()
+                .with_context(|| format!("{}: `iterations` is {iterations}", file.display()))?,
             why: why.map(|failure| failure.why.clone()).unwrap_or_default(),
         })
     };
@@ -193,6 +200,9 @@ fn texts(root: &Root, ending: &str) -> Result<BTreeMap<String, String>> {
     let folder = root.join("reports");
     let name = || folder.display().to_string();
     let mut texts = BTreeMap::new();
+    if !folder.is_dir() {
+        return Ok(texts);
+    }
     for entry in std::fs::read_dir(&folder).with_context(name)? {
         let path = entry.with_context(name)?.path();
         let is_one = path.to_string_lossy().ends_with(ending) && stem(&path) != "README";

@@ -24,6 +24,7 @@ mod report;
 mod same_bits;
 mod shown;
 mod simulations;
+mod site;
 mod solve;
 mod store;
 mod truth;

@@ -239,8 +239,7 @@ pub(crate) fn paired<'r>(
     };
     let all: Vec<(String, Vec<_>)> = methods.iter().map(|of| (of.label(), times(of))).collect();
     let pair = |(method, own): &(String, Vec<_>), (against, others): &(String, Vec<_>)| {
-        let mut pair =
-            Pair { method: method.clone(), against: against.clone(), problems: 0, counts: [0; 3] };
+        let mut pair = Pair { method: method.clone(), against: against.clone(), problems: 0, counts: [0; 3] };
         for (own, other) in own.iter().zip(others).filter_map(|(a, b): (&Option<_>, &Option<_>)| a.zip(*b)) {
             let wins = |a: Option<Median>, b: Option<Median>| {
                 a.is_some_and(|a| b.is_none_or(|b: Median| a.high < b.low))

@@ -19,7 +19,10 @@ const THINNEST_CHAIN: f64 = 0.04;
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let figure = |((problem, partition), scene): (&(String, String), &Scene)| {
         let name = format!("sample-{}-{}", file_name(problem), file_name(partition));
-        Part::figure(name, drawn(&format!("{problem}, {partition}"), partition, scene, "the reference solution"))
+        Part::figure(
+            name,
+            drawn(&format!("{problem}, {partition}"), partition, scene, "the reference solution"),
+        )
     };
     study.scenes.par_iter().map(figure).collect()
 }
@@ -114,9 +117,7 @@ fn caption(scene: &Scene, view: &View, of: &str) -> String {
     );
     if view.greatest > 0.0 {
         let share = number(100.0 * THINNEST_CHAIN / view.widest, 1);
-        format!(
-            "{counts} Lines: impulses of {of}; below {share}\u{a0}% of the greatest not drawn."
-        )
+        format!("{counts} Lines: impulses of {of}; below {share}\u{a0}% of the greatest not drawn.")
     } else {
         format!("{counts} No impulse is known.")
     }

@@ -37,8 +37,11 @@ for (const box of document.querySelectorAll(".table")) {
     for (const value of [...values].sort((a, b) => a.localeCompare(b, "en", { numeric: true }))) pick.add(new Option(value));
   }
   // An address may ask for rows: #grains=250&words=nsgs.
-  for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
-    for (const control of box.querySelectorAll("select, input")) if (control.name === name) control.value = value;
+  const asked = [...new URLSearchParams(location.hash.slice(1))], control = name => box.querySelector(`[name="${CSS.escape(name)}"]`);
+  if (asked.every(([name]) => control(name))) for (const [name, value] of asked) {
+    control(name).value = value;
+    // No row has the value.
+    if (control(name).selectedIndex < 0) { control(name).add(new Option(value)); control(name).value = value; }
   }
   const kept = (row, pick) => !pick.value || (pick.name === "reached"
     ? row.cells[place(pick.value)].textContent !== "–" : row.cells[place(pick.name)].textContent === pick.value);

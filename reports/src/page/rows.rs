@@ -62,7 +62,16 @@ impl Rows {
             body += "\n";
         }
         let notes = note.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect();
-        Ok(Self { name: name.to_owned(), headings: columns, body, shown, of: table.height(), notes, filters: Vec::new(), accuracies: Vec::new() })
+        Ok(Self {
+            name: name.to_owned(),
+            headings: columns,
+            body,
+            shown,
+            of: table.height(),
+            notes,
+            filters: Vec::new(),
+            accuracies: Vec::new(),
+        })
     }
 
     /// The rows, to be chosen by the values of the columns with these headings, and by the accuracy that they reached.

@@ -36,17 +36,18 @@ const answered = () => {
     + (most < 2 ? " One packing is an example, not a sample." : "") + (nearest === grains ? "" : " Another size may have another answer."));
   const table = put(put(answer, "div", "", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Methods" }), "table", "");
   const head = table.createTHead().insertRow();
-  for (const text of ["state", "μ", "first", "seconds (interval)", "reached, of packings", "not told from it, × the fastest", "rows"]) put(head, "th", text, { scope: "col" });
+  for (const text of ["problems, with their rows", "first", "seconds (interval)", "reached, of packings", "not told from it, × the fastest"]) put(head, "th", text, { scope: "col" });
   const body = table.createTBody();
   for (const field of rows) {
     const row = body.insertRow(), [winner, ...others] = field.standings;
     const ties = others.filter(other => other[4]).map(([name, , , ratio]) => `${name} ×${ratio}`).join("; ");
-    const cells = winner ? [winner[0], `${winner[2][0]} (${winner[2][1]} to ${winner[2][2]})`, `${winner[1]} of ${field.packings}`, ties || "none"]
+    const [median, low, high] = winner?.[2] ?? [];
+    const cells = winner ? [winner[0], winner[1] > 1 ? `${median} (${low} to ${high})` : `${median} (one packing)`, `${winner[1]} of ${field.packings}`, ties || "none"]
       : ["none", "–", `0 of ${field.packings}`, "–"];
-    for (const text of [field.state, field.friction, ...cells]) put(row, "td", text, text.length > 28 ? { class: "long" } : {});
     const { mechanics, friction, state, start } = field;
-    const query = new URLSearchParams({ study: field.study, mechanics, grains: field.grains, friction, state, start, reached: `natural map ≤ ${field.accuracy} (s)` });
-    put(put(row, "td", ""), "a", "rows", { href: `runs.html#${query}` });
+    const query = new URLSearchParams({ study: field.study, mechanics, grains: field.grains, "μ": friction, state, start, reached: `natural map ≤ ${field.accuracy} (s)` });
+    put(put(row, "td", ""), "a", `${state}, μ = ${friction}`, { href: `runs.html#${query}` });
+    for (const text of cells) put(row, "td", text, text.length > 28 ? { class: "long" } : {});
   }
 };
 form.addEventListener("input", answered);

@@ -1,8 +1,8 @@
 //! A page in Markdown as HTML: tables, figures, headings to which links lead.
 
-use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html::push_html};
+use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};
 
-/// Converts a page. `leads` returns the target of a link or a figure; where it returns none, the text stands alone.
+/// Converts a text. `leads` returns the target of a link or a figure; where it returns none, the text stands alone.
 pub(crate) fn html(text: &str, leads: &dyn Fn(&str) -> Option<String>) -> String {
     let events: Vec<Event> = Parser::new_ext(text, Options::ENABLE_TABLES).collect();
     let mut kept = Vec::new();
@@ -21,12 +21,8 @@ pub(crate) fn html(text: &str, leads: &dyn Fn(&str) -> Option<String>) -> String
             Event::End(TagEnd::Link) => kept.extend(open.pop().unwrap_or(true).then(|| event.clone())),
             Event::Start(Tag::Heading { level, classes, attrs, .. }) => {
                 let id = Some(CowStr::from(anchor(&events[n + 1..])));
-                // The page has its title already.
-                let level = if *level == HeadingLevel::H1 { HeadingLevel::H2 } else { *level };
-                kept.push(Event::Start(Tag::Heading { level, id, classes: classes.clone(), attrs: attrs.clone() }));
-            }
-            Event::End(TagEnd::Heading(HeadingLevel::H1)) => {
-                kept.push(Event::End(TagEnd::Heading(HeadingLevel::H2)));
+                let (level, classes, attrs) = (*level, classes.clone(), attrs.clone());
+                kept.push(Event::Start(Tag::Heading { level, id, classes, attrs }));
             }
             // A wide one scrolls in a box of its own.
             Event::Start(Tag::Table(_)) => {
@@ -49,5 +45,9 @@ fn anchor(events: &[Event]) -> String {
         _ => None,
     });
     let words: String = words.collect();
-    words.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+    words
+        .chars()
+        .filter(|c| c.is_alphanumeric() || " -_".contains(*c))
+        .map(|c| if c == ' ' { '-' } else { c })
+        .collect()
 }
