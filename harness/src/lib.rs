@@ -86,7 +86,7 @@ mod study {
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use problems::OnProblems;
+    pub(crate) use problems::{OnProblems, run_id};
     pub(crate) use selection::Selection;
     pub(crate) use simulations::ThroughTime;
     pub(crate) use tasks::{Kind, Listed, by_id, left_s, missing, run_all};
@@ -207,8 +207,8 @@ mod root;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
-    archive, bench, certify, collection as collected, convert, freeze, init, list, merge, plan as show, regress,
-    report, schema, simulate, site, solve, split, submit, view, which,
+    archive, bench, certify, collection as collected, convert, freeze, init, list, merge, plan as show,
+    regress, report, schema, simulate, site, solve, split, submit, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;

@@ -2,13 +2,13 @@
 
 use crate::cli::args::{PlanArgs, StudyArgs};
 use crate::identity::provenance;
-use crate::plan::{Curves, Method, Plan};
-use crate::problems::Problem;
+use crate::plan::{Curves, Method, Plan, Variant};
+use crate::problems::{Known, Problem};
 use crate::root::{Kind as Held, Root, stem};
-use crate::run::{Conditions, How, Recorder, Through, ended, ended_row};
+use crate::run::{Conditions, How, Recorder, Task, Through, ended, ended_row};
 use crate::store::{problem_of_run, stored, tables_of};
-use crate::study::{Kind, ThroughTime};
-use crate::terminal::{Bars, exit, prepare_new, read_text, say, write_whole};
+use crate::study::{Kind, ThroughTime, run_id};
+use crate::terminal::{Bars, exit, prepare_new, progress, read_text, say, say_table, write_whole};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
 use contact::Measure;
@@ -47,6 +47,11 @@ pub(crate) struct Args {
 enum Command {
     /// Check the checksums of a packed study, or of archived tables, and make a share of the runs again, to the same counts
     Check(Check),
+    /// Print a Markdown table of the archived studies: rows, size, commit, machine
+    List {
+        /// The folder of the archive [default: results/archive of the checkout]
+        folder: Option<PathBuf>,
+    },
 }
 
 #[derive(clap::Args)]
@@ -74,6 +79,10 @@ fn percent(text: &str) -> Result<f64, String> {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     match (&args.command, &args.output) {
         (Some(Command::Check(check)), _) => check.run(root),
+        (Some(Command::List { folder }), _) => {
+            let folder = folder.clone().unwrap_or_else(|| root.join("results/archive"));
+            list(&folder).map(|()| ExitCode::SUCCESS)
+        }
         (None, Some(output)) => pack(root.needed()?, args, output).map(|()| ExitCode::SUCCESS),
         (None, None) => bail!("--output: name the file to write"),
     }
@@ -85,7 +94,10 @@ const ROWS: &str = "rows";
 
 fn pack(root: &Root, args: &Args, output: &Path) -> Result<()> {
     let name = output.display();
-    ensure!(output.extension().is_some_and(|ending| ending == "tar"), "--output {name}: its name must end in .tar");
+    ensure!(
+        output.extension().is_some_and(|ending| ending == "tar"),
+        "--output {name}: its name must end in .tar"
+    );
     prepare_new(output)?;
     let path = args.study.path(root)?;
     let plan = Plan::read(&path, args.study.quick)?;
@@ -131,6 +143,56 @@ fn pack(root: &Root, args: &Args, output: &Path) -> Result<()> {
     }
     write_whole(output, tar.into_inner()?)?;
     say(format_args!("{name}: {count} files, {}", counted(&rows)))
+}
+
+/// Returns the folders of tables below a folder, by name.
+fn studies_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let name = || folder.display().to_string();
+    let mut studies = Vec::new();
+    for entry in fs::read_dir(folder).with_context(name)? {
+        studies.extend(Some(entry.with_context(name)?.path()).filter(|path| has_tables(path)));
+    }
+    studies.sort();
+    ensure!(!studies.is_empty(), "{}: it holds no tables of a study", name());
+    Ok(studies)
+}
+
+fn has_tables(folder: &Path) -> bool {
+    TABLES.iter().any(|table| folder.join(format!("{table}.parquet")).is_file())
+}
+
+fn list(folder: &Path) -> Result<()> {
+    let mut rows = Vec::new();
+    for study in studies_in(folder)? {
+        let tables = tables_of(&study)?;
+        let mut bytes = 0;
+        for file in fs::read_dir(&study).with_context(|| study.display().to_string())? {
+            bytes += file?.metadata()?.len();
+        }
+        let origins = origins(&tables);
+        let all = |of: &dyn Fn(&Provenance) -> String| {
+            origins
+                .iter()
+                .map(|origin| of(origin))
+                .collect::<BTreeSet<_>>()
+                .into_iter()
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let words = all(&|o| o.commit.split_at_checked(7).map_or(&*o.commit, |(short, _)| short).to_owned());
+        let machine = all(&|o| format!("{}, {} of {} threads", o.processor, o.threads, o.processors));
+        let size = format!("{:.1}", bytes as f64 / 1e6);
+        let name = stem(&study);
+        rows.push(vec![
+            format!("`{name}`"),
+            counted(&tables),
+            size,
+            words,
+            machine,
+            format!("`just archive {name}`"),
+        ]);
+    }
+    say_table(&["study", "rows", "MB", "commit", "machine", "renewed by"], &rows)
 }
 
 fn counted(rows: &Rows) -> String {
@@ -232,7 +294,8 @@ fn unpacked(file: &Path, folder: &Path) -> Result<()> {
     let mut files = read().context("it is no tar archive that `gravel archive` wrote")?;
     let metadata = files.remove(METADATA).with_context(|| format!("it has no {METADATA}"))?;
     let metadata: Value = serde_json::from_slice(&metadata).context(METADATA)?;
-    let graph = metadata["@graph"].as_array().with_context(|| format!("{METADATA}: it has no list `@graph`"))?;
+    let graph =
+        metadata["@graph"].as_array().with_context(|| format!("{METADATA}: it has no list `@graph`"))?;
     let described: BTreeMap<&str, &Value> = graph
         .iter()
         .filter(|entity| entity["@type"] == "File")
@@ -242,11 +305,16 @@ fn unpacked(file: &Path, folder: &Path) -> Result<()> {
         bail!("{missing}: the description names it, and it is not there");
     }
     for (name, bytes) in &files {
-        let wanted = described.get(name.as_str()).with_context(|| format!("{name}: the description does not name it"))?;
+        let wanted = described
+            .get(name.as_str())
+            .with_context(|| format!("{name}: the description does not name it"))?;
         let found = sha256(bytes);
         ensure!(**wanted == found, "{name}: `sha256` is {wanted}, and the file has {found}: it was changed");
         let path = Path::new(name);
-        ensure!(path.components().all(|part| matches!(part, Component::Normal(_))), "{name}: it is no path inside a folder");
+        ensure!(
+            path.components().all(|part| matches!(part, Component::Normal(_))),
+            "{name}: it is no path inside a folder"
+        );
         let target = folder.join(path);
         fs::create_dir_all(target.parent().unwrap_or(folder))?;
         fs::write(&target, bytes)?;
@@ -267,21 +335,14 @@ impl Check {
             studies.push(folder.path().join(ROWS));
             Some(Root::find(Some(folder.path().to_owned()))?)
         } else {
-            let has_tables = |path: &Path| TABLES.iter().any(|table| path.join(format!("{table}.parquet")).is_file());
-            if has_tables(&self.what) {
-                studies.push(self.what.clone());
-            } else {
-                for entry in fs::read_dir(&self.what).with_context(name)? {
-                    studies.extend(Some(entry.with_context(name)?.path()).filter(|path| has_tables(path)));
-                }
-            }
+            studies = if has_tables(&self.what) { vec![self.what.clone()] } else { studies_in(&self.what)? };
             None
         };
-        ensure!(!studies.is_empty(), "{}: it holds no tables of a study", name());
-        studies.sort();
         let mut differ = 0;
         for study in studies {
-            differ += self.study(unpacked_root.as_ref().unwrap_or(root), &study).with_context(|| study.display().to_string())?;
+            differ += self
+                .study(unpacked_root.as_ref().unwrap_or(root), &study)
+                .with_context(|| study.display().to_string())?;
             if exit::requested() {
                 eprintln!("stopped: not all was checked");
                 return Ok(exit::code("interrupted"));
@@ -290,13 +351,14 @@ impl Check {
         Ok(if differ == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Checks the tables of a study and makes a share of its runs again; returns how many differ.
+    /// Checks the tables of a study and makes a share of its runs again; returns how many of this code differ.
     fn study(&self, root: &Root, folder: &Path) -> Result<usize> {
         let rows = tables_of(folder)?;
         match &rows {
             Rows::Runs(Runs { records, .. }) => {
                 let is_ours = |record: &&Record| {
-                    let ended = !matches!(record.run.status, Ending::Skipped | Ending::Given | Ending::Failed);
+                    let ended =
+                        !matches!(record.run.status, Ending::Skipped | Ending::Given | Ending::Failed);
                     ended && record.run.provenance.other_code.is_empty()
                 };
                 let of: Vec<&Record> = records.iter().filter(is_ours).collect();
@@ -312,25 +374,27 @@ impl Check {
                 let of: Vec<&Simulated> = all.iter().collect();
                 let plan = all.first().map_or("", |one| &one.simulation.plan);
                 let study = ThroughTime::new(StudyArgs::plan(plan, false).selection(root)?, root, false)?;
-                let cost = |one: &Simulated| one.simulation.totals.iterations * u64::from(one.simulation.grains);
+                let cost =
+                    |one: &Simulated| one.simulation.totals.iterations * u64::from(one.simulation.grains);
                 self.again(&rows, &of, &cost, &|one| simulated_again(root, &study, one))
             }
         }
     }
 
-    /// Makes a share of `all` again, says which differ, and returns how many do.
+    /// Makes a share of `all` again, with the ids that they have now; says which differ, and returns how many do of the same id: those
+    /// of earlier code may.
     fn again<R: Entry>(
         &self,
         rows: &Rows,
         all: &[&R],
         cost: &dyn Fn(&R) -> u64,
-        made: &dyn Fn(&R) -> Result<Option<R>>,
+        made: &dyn Fn(&R) -> Result<Option<(R, String)>>,
     ) -> Result<usize> {
         let mut drawn = all.to_vec();
         drawn.sort_by_cached_key(|record| hash_of(&json!([record.id(), self.salt])));
         drawn.truncate((self.share / 100.0 * all.len() as f64).ceil() as usize);
-        let (mut left, mut beyond, mut differ) = (self.budget.unwrap_or(u64::MAX), 0, 0);
-        let bar = crate::terminal::progress::bar(drawn.len() as u64, "made again");
+        let (mut left, mut beyond, mut differ) = (self.budget.unwrap_or(u64::MAX), 0, [0, 0]);
+        let bar = progress::bar(drawn.len() as u64, "made again");
         for record in &drawn {
             let price = cost(record);
             if price > left {
@@ -340,24 +404,37 @@ impl Check {
             left -= price;
             let name = || format!("{} ({})", record.name(), record.id());
             let found = match made(record) {
-                Ok(None) => return Ok(differ),
-                Ok(Some(again)) => record
-                    .difference(&again)
-                    .map(|(count, before, now)| format!("`{count}` was {before}, and is {now}")),
-                Err(why) => Some(format!("it is not made again: {why:#}")),
+                Ok(None) => return Ok(differ[1]),
+                Ok(Some((again, id))) => difference(*record, &again).map(|found| (found, id == record.id())),
+                Err(why) => Some((format!("it is not made again: {why:#}"), false)),
             };
-            if let Some(found) = found {
-                differ += 1;
-                bar.suspend(|| say(format_args!("{}: {found}", name())))?;
+            if let Some((found, is_same)) = found {
+                differ[usize::from(is_same)] += 1;
+                let earlier = if is_same { "" } else { ", of earlier code" };
+                bar.suspend(|| say(format_args!("{}{earlier}: {found}", name())))?;
             }
             bar.inc(1);
         }
         bar.finish_and_clear();
         let beyond = if beyond > 0 { format!(", {beyond} beyond the budget") } else { String::new() };
-        let (study, number) = (plan_of(rows), drawn.len());
-        say(format_args!("{study}: {}, checksums right; {number} drawn{beyond}, {differ} differ", counted(rows)))?;
-        Ok(differ)
+        let (study, number, [earlier, same]) = (plan_of(rows), drawn.len(), differ);
+        let all = counted(rows);
+        say(format_args!(
+            "{study}: {all}, checksums right; {number} drawn{beyond}; of this code {same} differ, of earlier code {earlier}"
+        ))?;
+        Ok(same)
     }
+}
+
+/// Returns the first count in which two records differ, with both values. A series is measured, not counted.
+fn difference<R: Entry>(record: &R, again: &R) -> Option<String> {
+    let counts = |of: &R| {
+        let all = of.counts().into_iter();
+        all.filter(|(name, _)| !name.starts_with("series")).collect::<Vec<_>>()
+    };
+    let both = counts(record).into_iter().zip(counts(again));
+    let mut differ = both.filter(|((_, before), (_, now))| before != now);
+    differ.next().map(|((count, before), (_, now))| format!("`{count}` was {before}, and is {now}"))
 }
 
 fn plan_of(rows: &Rows) -> &str {
@@ -373,17 +450,23 @@ fn collected(root: &Root, hash: &str) -> Option<PathBuf> {
 }
 
 /// Makes a run again; `None` if the user stopped it.
-fn made_again(root: &Root, record: &Record) -> Result<Option<Record>> {
+fn made_again(root: &Root, record: &Record) -> Result<Option<(Record, String)>> {
     let run = &record.run;
     let frozen = match collected(root, &run.problem_hash) {
         Some(file) => AnyFrozen::read(&file)?,
         None => problem_of_run(root, run)?,
     };
     let (problem, method) = (Problem::alone(frozen, true), Method::new(&run.method, run.settings.clone())?);
-    ensure!(problem.hash == run.problem_hash, "its problem was {}, and is {}", run.problem_hash, problem.hash);
+    ensure!(
+        problem.hash == run.problem_hash,
+        "its problem was {}, and is {}",
+        run.problem_hash,
+        problem.hash
+    );
     // Of others the solution changes no count.
-    let needs_truth = matches!(run.stop_on.0, Measure::VelocityError | Measure::Zeta) || run.status == Ending::FalseConvergence;
-    let known = if needs_truth { problem.known(root)? } else { &crate::problems::Known::default() };
+    let needs_truth = matches!(run.stop_on.0, Measure::VelocityError | Measure::Zeta)
+        || run.status == Ending::FalseConvergence;
+    let known = if needs_truth { problem.known(root)? } else { &Known::default() };
     let stop = Stop { on: run.stop_on.0, tolerance: run.tolerance, max_iterations: run.max_iterations };
     let (mut recorder, r0) = (Recorder::new(Curves::Ends), problem.start(run.warm_start));
     let asked = lineup::Run { truths: &known.impulses, r0: &r0, stop: &stop, measured: Measured::Grid };
@@ -398,16 +481,23 @@ fn made_again(root: &Root, record: &Record) -> Result<Option<Record>> {
     outcome.status = known.ending(outcome.status);
     let curve = recorder.finish();
     let run = ended_row(run.clone(), &outcome, &curve);
-    Ok(Some(Record { run, curve, snapshots: Vec::new() }))
+    let variant = Variant { method, warm_start: run.warm_start, name: String::new(), problems: Vec::new() };
+    let id = run_id(&problem.hash, &variant, &stop);
+    Ok(Some((Record { run, curve, snapshots: Vec::new() }, id)))
 }
 
 /// Makes a simulation again; `None` if the user stopped it.
-fn simulated_again(root: &Root, study: &ThroughTime, simulated: &Simulated) -> Result<Option<Simulated>> {
+fn simulated_again(
+    root: &Root,
+    study: &ThroughTime,
+    simulated: &Simulated,
+) -> Result<Option<(Simulated, String)>> {
     let one = &simulated.simulation;
-    let same = |task: &&crate::run::Task<Through>| {
+    let same = |task: &&Task<Through>| {
         let (what, method) = (&task.what, &task.variant.method);
         let (rule, stop) = (&what.rule, &what.rule.stop);
-        let is_same_rule = (stop.on, stop.tolerance, stop.max_iterations) == (one.stop_on.0, one.tolerance, one.max_iterations)
+        let is_same_rule = (stop.on, stop.tolerance, stop.max_iterations)
+            == (one.stop_on.0, one.tolerance, one.max_iterations)
             && (one.start.is_empty() || one.start == rule.warm_start.name());
         what.role == one.role
             && what.scene.hash == one.scene_hash
@@ -421,5 +511,6 @@ fn simulated_again(root: &Root, study: &ThroughTime, simulated: &Simulated) -> R
     let (provenance, bars) = (provenance()?, Bars::new(1));
     let (jobs, measured) = (NonZeroUsize::MIN, Measured::Grid);
     let how = How { root, folder: None, provenance: &provenance, repeats: 1, jobs, measured };
-    study.run(task, &Conditions { how: &how, bars: &bars, halt: &exit::requested })
+    let made = study.run(task, &Conditions { how: &how, bars: &bars, halt: &exit::requested })?;
+    Ok(made.map(|made| (made, task.id.clone())))
 }
