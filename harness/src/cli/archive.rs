@@ -183,16 +183,11 @@ fn list(folder: &Path) -> Result<()> {
         let machine = all(&|o| format!("{}, {} of {} threads", o.processor, o.threads, o.processors));
         let size = format!("{:.1}", bytes as f64 / 1e6);
         let name = stem(&study);
-        rows.push(vec![
-            format!("`{name}`"),
-            counted(&tables),
-            size,
-            words,
-            machine,
-            format!("`just archive {name}`"),
-        ]);
+        let minutes = format!("{:.1}", seconds(&tables) / 60.0);
+        let renewed = format!("`just archive {name}`");
+        rows.push(vec![format!("`{name}`"), counted(&tables), size, minutes, words, machine, renewed]);
     }
-    say_table(&["study", "rows", "MB", "commit", "machine", "renewed by"], &rows)
+    say_table(&["study", "rows", "MB", "minutes", "commit", "machine", "renewed by"], &rows)
 }
 
 fn counted(rows: &Rows) -> String {
@@ -223,6 +218,15 @@ fn of_sample(case: &Path) -> Result<Option<String>> {
     let table: toml::Table = read_text(case)?.parse().with_context(|| case.display().to_string())?;
     let sample = table.get("sample").and_then(|sample| sample.get("file"));
     Ok(sample.and_then(|file| file.as_str()).map(str::to_owned))
+}
+
+/// Returns the time that all rows took, one after the other, with their repeats and measures (s).
+fn seconds(rows: &Rows) -> f64 {
+    let walls: Vec<f64> = match rows {
+        Rows::Runs(Runs { records, .. }) => records.iter().map(|one| one.timing().wall_s).collect(),
+        Rows::Simulations(all) => all.iter().map(|one| one.timing().wall_s).collect(),
+    };
+    walls.into_iter().filter(|wall| wall.is_finite()).sum()
 }
 
 fn origins(rows: &Rows) -> Vec<&Provenance> {

@@ -1,6 +1,7 @@
 //! The program `gravel` as it is used: arguments in; exit code, texts and files out.
 #![allow(clippy::unwrap_used)]
 
+mod archive;
 mod bench;
 mod collection;
 mod common;
