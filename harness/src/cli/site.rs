@@ -15,7 +15,7 @@ use reports::{About, Archived, Collected, Facts, Hazard, Site};
 use results::settings::{CASE, FRICTION, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use results::study::{Runs, Study as Rows};
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::iter::repeat_n;
 use std::path::{Path, PathBuf};
 
@@ -124,6 +124,7 @@ fn facts(root: &Root, problems: &[Collected], studies: &[Archived]) -> Result<BT
         let friction = entry["friction"][1].as_f64().unwrap_or(0.0);
         facts.insert(text("id"), Facts { mechanics: text("mechanics"), friction, state: text("state") });
     }
+    let mut seen = BTreeSet::new();
     for Archived { rows, .. } in studies {
         let all: Vec<(&str, &str, &Map<String, Value>)> = match rows {
             Rows::Runs(Runs { records, .. }) => {
@@ -137,7 +138,8 @@ fn facts(root: &Root, problems: &[Collected], studies: &[Archived]) -> Result<BT
         };
         for (hash, name, settings) in all {
             // One of a case has the state that its study names.
-            if settings.contains_key(TIME_STEP) || !facts.contains_key(hash) {
+            let is_new = settings.contains_key(TIME_STEP) || !facts.contains_key(hash);
+            if seen.insert(hash) && is_new {
                 facts.insert(hash.to_owned(), of_problem(root, name, settings)?);
             }
         }
