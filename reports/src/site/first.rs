@@ -28,7 +28,7 @@ impl Pages<'_> {
             for is_frictional in [true, false] {
                 pairs.push(self.pairs(study, is_frictional)?);
             }
-            busy.push(crowded(name, study));
+            busy.push(context! { name => *name, words => crowded(name, study) });
         }
         let site = self.site;
         let leads = |row: usize, heading: &str| (heading == "method").then(|| of_method(&self.methods[row]));
