@@ -67,6 +67,10 @@ archive plan:
     cargo run --release -- bench {{plan}}
     mkdir -p results/archive/{{plan}} && cp results/runs/{{plan}}/*.parquet results/archive/{{plan}}
 
+# Static pages of all that the tree holds, in reports/out/site
+site:
+    cargo run --release -- site -o reports/out/site
+
 # Draw the pages and figures of the tree anew, from studies of counts and from results/archive; an error if one changes
 pages:
     .ci/pages

@@ -2,6 +2,7 @@
 
 /// The command line: one file for each command.
 mod cli {
+    pub(crate) mod archive;
     pub(crate) mod args;
     pub(crate) mod bench;
     pub(crate) mod certify;
@@ -18,6 +19,7 @@ mod cli {
     pub(crate) mod report;
     pub(crate) mod schema;
     pub(crate) mod simulate;
+    pub(crate) mod site;
     pub(crate) mod solve;
     pub(crate) mod split;
     pub(crate) mod submit;
@@ -72,7 +74,7 @@ mod store {
 
     pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
     pub(crate) use folder::{about, draw, finish, open, records_of, runs_folder, tables_of};
-    pub(crate) use stored::{is_id, problem_of_run, stored_run};
+    pub(crate) use stored::{is_id, problem_of_run, stored, stored_run};
 }
 
 /// A plan with its problems or scenes: the tasks that it asks for, each with its id.
@@ -84,7 +86,7 @@ mod study {
     #[cfg(test)]
     mod tests;
 
-    pub(crate) use problems::OnProblems;
+    pub(crate) use problems::{OnProblems, run_id};
     pub(crate) use selection::Selection;
     pub(crate) use simulations::ThroughTime;
     pub(crate) use tasks::{Kind, Listed, by_id, left_s, missing, run_all};
@@ -205,8 +207,8 @@ mod root;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use cli::{
-    bench, certify, collection as collected, convert, freeze, init, list, merge, plan as show, regress,
-    report, schema, simulate, solve, split, submit, view, which,
+    archive, bench, certify, collection as collected, convert, freeze, init, list, merge, plan as show,
+    regress, report, schema, simulate, site, solve, split, submit, view, which,
 };
 use contact::memory;
 use results::provenance::available_memory;
@@ -240,6 +242,11 @@ enum Command {
     Report(report::Args),
     /// Draw one chart of the newest stored study of a plan, into reports/out/PLAN-CHART
     Figure(report::FigureArgs),
+    /// Pack a study with all that makes it again into one file; or check such a file, or archived tables, by making some runs again
+    #[command(after_help = exit::HELP)]
+    Archive(archive::Args),
+    /// Write a site of static pages, for any browser, offline: from the archive, the collection and the pages of the tree
+    Site(site::Args),
     /// Print a table of the newest stored study of a plan, or some columns and rows of it, for a paper or a program
     Table(report::TableArgs),
     /// Write an HTML page that replays how methods, or a stored run, converge on a problem
@@ -338,6 +345,8 @@ fn run(cli: Cli) -> Result<ExitCode> {
         Command::Report(args) => report::run(root.needed()?, &args)?,
         Command::Figure(args) => report::figure(root.needed()?, &args)?,
         Command::Table(args) => report::table(root.needed()?, &args)?,
+        Command::Archive(args) => return in_the_pool(|| archive::run(&root, &args)),
+        Command::Site(args) => in_the_pool(|| site::run(root.needed()?, &args))?,
         Command::View(args) => in_the_pool(|| view::run(&root, &args))?,
         Command::Merge(args) => return merge::run(root.needed()?, &args),
         Command::Regress(args) => return regress::regress(root.needed()?, &args),

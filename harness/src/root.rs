@@ -21,7 +21,7 @@ const MERGED: [(&str, &str); 7] = [
 const NO_CHECKOUT: &str = "no folder from here up holds cases/frozen and harness/plans: run gravel in its checkout or in a folder that `gravel init` made, or give --root DIR or GRAVEL_ROOT";
 
 /// Kind of a file.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Case,
     Plan,

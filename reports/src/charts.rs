@@ -16,11 +16,11 @@ mod next_step;
 mod norms;
 mod peers;
 mod predicted;
-mod profiles;
+pub(crate) mod profiles;
 mod quantities;
 mod ranks;
 mod relaxation;
-mod sample;
+pub(crate) mod sample;
 mod sound;
 mod statics;
 #[cfg(test)]
@@ -108,8 +108,8 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "profiles",
-        makes: "`profiles-seconds`, `profiles-sweeps`, `profiles`",
-        shows: "performance profiles over ten problems or more, of fewer the table alone: which method for which accuracy",
+        makes: "`profiles-seconds`, `profiles-sweeps`, `profiles`, `pairs`",
+        shows: "performance profiles over ten problems or more, of fewer the tables alone: which method for which accuracy, and which of two",
         parts: Parts::Problems(profiles::parts),
     },
     Chart {
@@ -255,12 +255,20 @@ impl Chart {
         matches!(self.parts, Parts::Simulations(_))
     }
 
+    /// Returns its parts of a study of runs on problems, if it is of one.
+    pub(crate) fn parts_of(self, study: &Problems) -> Vec<Part> {
+        match self.parts {
+            Parts::Lines(lines) => lines.parts(study),
+            Parts::Curves(curves) => curves.parts(study),
+            Parts::Problems(parts) => parts(study),
+            Parts::Simulations(_) => Vec::new(),
+        }
+    }
+
     /// Nothing of a study of the other kind.
     pub(crate) fn parts(self, study: &Study) -> Vec<Part> {
         match (self.parts, study) {
-            (Parts::Lines(lines), Study::Problems(study)) => lines.parts(study),
-            (Parts::Curves(curves), Study::Problems(study)) => curves.parts(study),
-            (Parts::Problems(parts), Study::Problems(study)) => parts(study),
+            (_, Study::Problems(study)) => self.parts_of(study),
             (Parts::Simulations(parts), Study::Simulations(all)) => parts(all),
             _ => Vec::new(),
         }

@@ -1,7 +1,8 @@
 //! Tables and figures, each one a function of stored rows.
 //!
 //! Each folder uses those before it: `families` (looks of methods), `own` (a style of one's own), `read` (rows, and what is true of them) → `draw` (lines, axes, keys on paper) → `text`
-//! (tables, sentences, files) → `charts` (one for each name in [`Chart`]) → `page` (the page, and the folder of a report).
+//! (tables, sentences, files) → `charts` (one for each name in [`Chart`]) → `page` (the page, and the folder of a report) → `site` (pages of
+//! all that is archived and collected).
 
 mod charts;
 mod draw;
@@ -10,6 +11,7 @@ mod families;
 mod own;
 mod page;
 mod read;
+mod site;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -25,6 +27,7 @@ pub use error::ReportError;
 pub use families::Mark;
 pub use own::{MethodStyle, Style, use_style};
 pub use page::{About, Snapshots, made, view};
+pub use site::{Archived, Collected, Facts, Hazard, Site, site};
 pub use text::{Pick, TableFormat, summary};
 
 use page::{Chapter, replace};

@@ -20,7 +20,7 @@ use crate::text::{Kind, Part, answer, failures};
 pub use folder::made;
 pub(crate) use folder::replace;
 use provenance::{Origin, provenance};
-use rows::Rows;
+pub(crate) use rows::{Rows, escaped};
 pub use viewer::Snapshots;
 use viewer::Viewer;
 
@@ -131,28 +131,47 @@ pub fn view(
     render("view.html", &viewer, context! { title => problem, command })
 }
 
-fn render(template: &str, viewer: &Viewer, values: Value) -> Result<String, ReportError> {
+/// Templates of pages by their names.
+const TEMPLATES: [(&str, &str); 9] = [
+    ("page.html", include_str!("page/page.html")),
+    ("parts.html", include_str!("page/parts.html")),
+    ("view.html", include_str!("page/view.html")),
+    ("viewer.html", include_str!("page/viewer.html")),
+    ("site.html", include_str!("site/site.html")),
+    ("first.html", include_str!("site/first.html")),
+    ("problem.html", include_str!("site/problem.html")),
+    ("method.html", include_str!("site/method.html")),
+    ("list.html", include_str!("site/list.html")),
+];
+
+/// Renders a page with the style and the script of all pages.
+pub(crate) fn filled(template: &str, values: Value) -> Result<String, ReportError> {
     let refused = |error: minijinja::Error| ReportError::Drawing(format!("the page: {error:#}"));
     let mut templates = Environment::new();
-    let sources = [
-        ("page.html", include_str!("page/page.html")),
-        ("view.html", include_str!("page/view.html")),
-        ("viewer.html", include_str!("page/viewer.html")),
-    ];
-    for (name, source) in sources {
+    for (name, source) in TEMPLATES {
         templates.add_template(name, source).map_err(refused)?;
     }
-    // `</script>` and `<!--` in a name must not end the script that holds it.
-    let samples = serde_json::to_string(viewer).unwrap_or_default().replace('<', "\\u003c");
     let values = context! {
-        samples, viewer => !viewer.samples.is_empty(), left_out => &viewer.left_out,
-        moves => viewer.samples.iter().any(|sample| sample.tracks.iter().any(|track| track.frames.len() > 1)),
         style => include_str!("page/style.css"),
         page_script => include_str!("page/page.js"),
-        viewer_script => include_str!("page/viewer.js"),
         ..values
     };
     templates.get_template(template).and_then(|page| page.render(values)).map_err(refused)
+}
+
+/// Writes a value as the JSON of a page: `</script>` and `<!--` in a name must not end the script that holds it.
+pub(crate) fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default().replace('<', "\\u003c")
+}
+
+fn render(template: &str, viewer: &Viewer, values: Value) -> Result<String, ReportError> {
+    let values = context! {
+        samples => json(viewer), viewer => !viewer.samples.is_empty(), left_out => &viewer.left_out,
+        moves => viewer.samples.iter().any(|sample| sample.tracks.iter().any(|track| track.frames.len() > 1)),
+        viewer_script => include_str!("page/viewer.js"),
+        ..values
+    };
+    filled(template, values)
 }
 
 /// Reports whether a figure is the sample of a problem, under any partition.
@@ -226,8 +245,8 @@ fn caption(chapter: &Chapter, name: &str) -> String {
 }
 
 /// A figure in a page: it takes the width that it is given, and has a name for who cannot see it.
-fn inline(svg: &str, name: &str) -> String {
-    let name = name.replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;");
+pub(crate) fn inline(svg: &str, name: &str) -> String {
+    let name = escaped(name);
     let Some((head, rest)) = svg.split_once('>') else { return svg.to_owned() };
     let view = head.split_once("viewBox=").map_or("", |(_, view)| view);
     format!(r#"<svg role="img" aria-label="{name}" stroke-linejoin="round" viewBox={view}>{rest}"#)

@@ -3,6 +3,7 @@
 mod answer;
 mod failures;
 mod fill;
+mod html;
 mod part;
 mod pick;
 mod rows;
@@ -11,6 +12,7 @@ mod table;
 pub(crate) use answer::answer;
 pub(crate) use failures::failures;
 pub(crate) use fill::fill;
+pub(crate) use html::html;
 pub(crate) use part::{File, Kind, Part, Table, chosen, frame, nothing, too_many};
 pub use pick::{Pick, TableFormat};
 pub(crate) use rows::rows;

@@ -44,7 +44,7 @@ pub(crate) const SIMULATIONS: &str = "simulations";
 pub(crate) const SERIES: &str = "series";
 
 /// Names of all tables that a study may have.
-pub(crate) const TABLES: [&str; 7] = [RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS, SIMULATIONS, SERIES];
+pub const TABLES: [&str; 7] = [RUNS, CURVES, GRAINS, CONTACTS, SNAPSHOTS, SIMULATIONS, SERIES];
 /// The columns that number runs and simulations.
 pub(crate) const RUN: &str = "run";
 pub(crate) const SIMULATION: &str = "simulation";

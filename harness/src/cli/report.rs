@@ -4,14 +4,13 @@
 use crate::cli::args::PlanArgs;
 use crate::plan::{Plan, chart, key_value};
 use crate::root::Root;
-use crate::store::{about, draw, runs_folder, tables_of};
+use crate::store::{about, draw, stored, tables_of};
 use crate::terminal::{prepare_place, read_text, say, suggest, write_whole};
 use anyhow::{Context, Result, bail};
 use reports::{Chart, Formats, Pick, Style, TableFormat, Wanted, use_style};
 use results::journal::Record;
 use results::schema::Run;
 use results::simulation::Simulated;
-use results::store::tables_folder;
 use results::study::{Runs, Study as Rows};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -261,15 +260,4 @@ fn format_of(file: &Path) -> Result<TableFormat> {
         Some("md") => Ok(TableFormat::Markdown),
         _ => bail!("--output {}: the name of a table ends in .tex, .csv or .md", file.display()),
     }
-}
-
-/// The folder of the study of `plan`.
-fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
-    let runs = runs_folder(root);
-    tables_folder(&runs, &plan.name).with_context(|| {
-        let quick = tables_folder(&runs, &format!("{}-quick", plan.name));
-        let quick = if quick.is_some() { "; its quick form is: add --quick" } else { "" };
-        let runs = runs.display();
-        format!("no study of plan `{0}` is stored in {runs}{quick}: `gravel bench {0}` runs it", plan.name)
-    })
 }

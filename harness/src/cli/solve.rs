@@ -2,6 +2,7 @@
 
 use crate::cli::args::SolverArgs;
 use crate::cli::posed::{ProblemArgs, Start};
+use crate::collection::Collection;
 use crate::plan::Method;
 use crate::root::Root;
 use crate::run::{asked, homogenised, outcome, to_json};
@@ -21,8 +22,8 @@ pub(crate) struct Args {
     posed: ProblemArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Measure the distance to the reference solution as well, which is kept in results/references; so does
-    /// `--on velocity_error`
+    /// Measure the distance to the nearest known solution as well: those of the collection, or else the reference, which is kept in
+    /// results/references; so does `--on velocity_error`
     #[arg(long)]
     truth: bool,
     /// Print one JSON object
@@ -55,6 +56,12 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let (posed, facts) = (&problem.posed, problem.posed.facts());
     let method = if facts.of_contact > 1 { args.solver.read(true)?.0 } else { method };
     let r0 = args.posed.impulses(&path, &problem)?;
+    if truth
+        && let Ok(collection) = Collection::of(root, None, false)
+        && let Some(known) = collection.known(&problem)?
+    {
+        problem.take(known);
+    }
     let known = problem.known(root)?;
     let mut line = Line::alone(method.name.to_owned());
     // The least natural map of the iterates that were measured, and its iteration.

@@ -101,6 +101,8 @@ pub(crate) fn accept(root: &Root, args: &AcceptArgs) -> Result<ExitCode> {
             eprintln!("stopped: {accepted} accepted, {refused} refused so far");
             return Ok(exit::code("interrupted"));
         }
+        // Another process that accepts would write the entry that this one has read.
+        let _alone = collection.alone();
         match one(&collection, &file, args.dry_run) {
             Ok(words) => {
                 accepted += 1;

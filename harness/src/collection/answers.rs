@@ -90,6 +90,15 @@ pub(crate) enum Answers {
 }
 
 impl Answers {
+    /// Returns the first impulses (N·s), and whether they are those of a proof, one of each contact.
+    pub(crate) fn first(&self) -> (&[f64], bool) {
+        match self {
+            Self::Solutions(all) => (all.first().map_or(&[], Vec::as_slice), false),
+            Self::Best(r) => (r, false),
+            Self::Ray(ray) => (ray, true),
+        }
+    }
+
     /// Recomputes what the answers say of a problem.
     ///
     /// # Errors

@@ -2,11 +2,13 @@
 
 use super::answers::Answers;
 use super::entry::{Entry, of_file};
-use crate::problems::Problem;
+use crate::problems::{Known, Problem};
 use crate::root::{Root, is_id, stem};
 use crate::terminal::{read_sealed, write_kept, write_sealed};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
+use lineup::Posed;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// A collection of problems, as a folder.
@@ -107,6 +109,31 @@ impl<'r> Collection<'r> {
         let (text, sealed) = read_sealed(&file)?;
         ensure!(sealed, "{}: it has no checksum", file.display());
         serde_json::from_str(&text).with_context(|| file.display().to_string())
+    }
+
+    /// Returns the stored solutions of a problem, certified again, or the proof that there is none; nothing of one that is open or is not in
+    /// the collection.
+    pub(crate) fn known(&self, problem: &Problem) -> Result<Option<Known>> {
+        let is_collected = self.file("entries", &format!("{}.toml", problem.hash)).is_file();
+        if !is_collected || !matches!(problem.posed, Posed::Grains(_)) {
+            return Ok(None);
+        }
+        let answers = self.answers(&problem.hash)?;
+        let file = || self.file("answers", &format!("{}.json.gz", problem.hash)).display().to_string();
+        answers.standing(&problem.posed).with_context(file)?;
+        Ok(match answers {
+            Answers::Solutions(all) => Some(Known::stored(all, false)),
+            Answers::Ray(_) => Some(Known::stored(Vec::new(), true)),
+            Answers::Best(_) => None,
+        })
+    }
+
+    /// Waits until no other process changes the collection, and keeps others out until what it returns is dropped. Where the system locks
+    /// no folders, none is kept out.
+    pub(crate) fn alone(&self) -> Option<File> {
+        let folder = File::open(&self.folder).ok()?;
+        folder.lock().ok()?;
+        Some(folder)
     }
 
     /// Writes an entry and the answers to its problem.

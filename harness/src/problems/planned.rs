@@ -91,6 +91,11 @@ impl Problem {
         Ok(self.known.get_or_init(|| known))
     }
 
+    /// Takes solutions that are known, unless some were computed.
+    pub(crate) fn take(&self, known: Known) {
+        self.known.get_or_init(|| known);
+    }
+
     /// Returns the impulses of the time step before, if the problem has some and they are to be begun from (N·s); else 0.
     pub(crate) fn start(&self, warm: bool) -> Vec<f64> {
         match &self.posed {

@@ -45,6 +45,11 @@ impl Known {
         Ok(Self { impulses: solutions.into_iter().map(|solution| solution.impulses).collect(), ..sought })
     }
 
+    /// Solutions that are stored and certified (N·s), or the proof that there is none.
+    pub(crate) fn stored(impulses: Vec<Vec<f64>>, is_infeasible: bool) -> Self {
+        Self { impulses, is_infeasible, was_sought: !is_infeasible, ..Self::default() }
+    }
+
     /// Returns the impulses that are nearest to a solution, as far as is known (N·s): they show which contacts are closed.
     pub(crate) fn nearest(&self) -> Option<&[f64]> {
         self.impulses.first().or(self.nearest.as_ref()).map(Vec::as_slice)

@@ -62,6 +62,11 @@ impl Counts {
         &self.0[4]
     }
 
+    /// Returns problem, method, settings, hash of the problem, status and iterations.
+    pub(crate) fn named(&self) -> [&str; 6] {
+        [0, 1, 2, 3, 4, 5].map(|column| self.0[column].as_str())
+    }
+
     /// The counts that differ from those `before`: name, before, now. Of the decades of a measure, the first.
     pub(crate) fn differences(&self, before: &Self) -> Vec<[String; 3]> {
         let all = columns().into_iter().zip(before.0.iter().zip(&self.0));

@@ -1,6 +1,6 @@
-//! A run of any study in `results/runs`, found by its id.
+//! A study in `results/runs`, found by its plan, and a run of any, found by its id.
 
-use crate::plan::{Marcher, as_typed};
+use crate::plan::{Marcher, Plan, as_typed};
 use crate::problems::KeptProblem;
 use crate::root::Root;
 use crate::store::runs_folder;
@@ -12,15 +12,26 @@ use results::journal::{Record, Texts, entry};
 use results::schema::{Ending, Run};
 use results::settings::{CASE, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use results::simulation::Simulated;
-use results::store::journals;
+use results::store::{journals, tables_folder};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Runs found, by id: name and record; a simulation has no record. Of two runs of one id the later, but one with iterates
 /// before one without.
 type Found = BTreeMap<String, (String, Option<Record>)>;
+
+/// The folder of the study of `plan`.
+pub(crate) fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
+    let runs = runs_folder(root);
+    tables_folder(&runs, &plan.name).with_context(|| {
+        let quick = tables_folder(&runs, &format!("{}-quick", plan.name));
+        let quick = if quick.is_some() { "; its quick form is: add --quick" } else { "" };
+        let runs = runs.display();
+        format!("no study of plan `{0}` is stored in {runs}{quick}: `gravel bench {0}` runs it", plan.name)
+    })
+}
 
 /// The run whose id begins with `begin`.
 pub(crate) fn stored_run(root: &Root, begin: &str) -> Result<Record> {

@@ -70,6 +70,52 @@ fn id_is_that_of_the_content_and_not_of_the_file() {
 }
 
 #[test]
+fn truth_of_a_collected_problem_is_that_of_the_collection() {
+    let (study, id) = with_pair();
+    let references = study.folder().path().join("results/references");
+    fs::remove_dir_all(&references).ok();
+    let solved = study.gravel(&["solve", "pair", "--method", "cg", "--truth", "--json"]).json();
+    assert!(solved["velocity_error"].as_f64() <= Some(1e-6), "{solved}");
+    assert!(!references.exists(), "nothing is computed that the collection has");
+    // What the problem does not confirm is refused.
+    fs::write(file(&study, &format!("answers/{id}.json.gz")), sealed("{\"solutions\":[[0.15,0.2]]}"))
+        .unwrap();
+    study.gravel(&["solve", "pair", "--truth"]).refused(&[&id, "not certified"]);
+    opened(&study, &id);
+    let solved = study.gravel(&["solve", "pair", "--method", "cg", "--truth", "--json"]).json();
+    assert!(solved["velocity_error"].as_f64() <= Some(1e-6), "an open problem has its reference: {solved}");
+}
+
+#[test]
+fn two_that_accept_at_once_wait_for_each_other_and_lose_nothing() {
+    let (study, id) = with_pair();
+    opened(&study, &id);
+    let files: Vec<PathBuf> = [0.076, 0.14]
+        .map(|r| {
+            let held = submission(&id, &json!([r, 0.09]));
+            write(study.folder(), &format!("{r}.json"), &held.to_string())
+        })
+        .into();
+    let collection = file(&study, "");
+    let held = fs::File::open(&collection).unwrap();
+    held.lock().unwrap();
+    let mut both: Vec<_> = files
+        .iter()
+        .map(|file| {
+            let args = ["--root", text(study.folder().path()), "accept", text(file)];
+            crate::common::command(&args).stdout(std::process::Stdio::null()).spawn().unwrap()
+        })
+        .collect();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    assert!(both.iter_mut().all(|one| one.try_wait().unwrap().is_none()), "both wait for the lock");
+    assert!(!collection.join("submissions").exists());
+    drop(held);
+    assert!(both.iter_mut().all(|one| one.wait().unwrap().success()));
+    assert_eq!(entries(&collection.join("submissions")).len(), 2);
+    study.gravel(&["collection", "check"]).succeeded();
+}
+
+#[test]
 fn recipe_freezes_one_march_at_several_time_steps_and_makes_what_is_missing() {
     let study = Study::new();
     let recipe = "why = \"A test.\"\nlicence = \"CC0-1.0\"\n[[cases]]\ncase = \"column\"\naxes = { time_step = [3, 1], \"sample.grains\" = [4] }\n";

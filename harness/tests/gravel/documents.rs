@@ -10,7 +10,7 @@ use tempfile::TempDir;
 /// Writes the generated blocks anew: `UPDATE_DOCUMENTS=1 cargo test --package harness documents`.
 const UPDATE: &str = "UPDATE_DOCUMENTS";
 
-const PAGES: [&str; 8] = [
+const PAGES: [&str; 9] = [
     "README.md",
     "cases/README.md",
     "cases/case-file.md",
@@ -19,6 +19,7 @@ const PAGES: [&str; 8] = [
     "harness/README.md",
     "reports/README.md",
     "results/README.md",
+    "results/archive/README.md",
 ];
 
 fn page(name: &str) -> String {

@@ -1,6 +1,7 @@
 //! The program `gravel` as it is used: arguments in; exit code, texts and files out.
 #![allow(clippy::unwrap_used)]
 
+mod archive;
 mod bench;
 mod collection;
 mod common;
@@ -24,6 +25,7 @@ mod report;
 mod same_bits;
 mod shown;
 mod simulations;
+mod site;
 mod solve;
 mod store;
 mod truth;

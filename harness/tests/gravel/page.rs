@@ -42,8 +42,8 @@ addEventListener("securitypolicyviolation", event => seen.requests.push(event.bl
 console.error = console.warn = (...words) => seen.errors.push(words.join(" "));
 </script>"#;
 
-/// Sizes, sorting, filter, slider, enlargement, and the contrast of every text with what is behind it.
-const USE: &str = r#"<script>
+/// Sizes, and the contrast of every text with what is behind it.
+const LOOK: &str = r#"<script>
 const rgb = color => (color.match(/[\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
 const light = color => rgb(color).slice(0, 3).map(c => c / 255)
   .map(c => c <= .04045 ? c / 12.92 : ((c + .055) / 1.055) ** 2.4).reduce((sum, c, i) => sum + c * [.2126, .7152, .0722][i], 0);
@@ -67,6 +67,10 @@ seen.figures = [...document.querySelectorAll("figure svg, canvas")].map(node => 
   return [Math.round(box.width), Math.round(box.height)];
 });
 seen.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+</script>"#;
+
+/// Sorting, filter, slider, enlargement.
+const USE: &str = r#"<script>
 const column = (box, i) => [...box.querySelectorAll("tbody tr:not([hidden])")].map(row => row.cells[i].textContent.trim());
 const box = document.querySelector("[data-table=iterations]");
 if (box) {
@@ -91,11 +95,15 @@ const picture = value => {
 const [begin, end] = [picture(0), picture(slider.max)];
 seen.moved = begin[0] !== end[0] && begin[1] !== end[1];
 seen.same = picture(0)[0] === begin[0];
+</script>"#;
+
+/// Leaves in the document what was seen.
+const END: &str = r#"<script>
 document.body.insertAdjacentHTML("beforeend", "<pre id=seen></pre>");
 document.getElementById("seen").textContent = JSON.stringify(seen);
 </script>"#;
 
-fn browser() -> Option<&'static str> {
+pub(crate) fn browser() -> Option<&'static str> {
     let known = ["chromium", "chromium-browser", "google-chrome"];
     let runs = |name: &&str| {
         Command::new(name).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
@@ -109,11 +117,22 @@ fn browser() -> Option<&'static str> {
 
 /// What the scripts found on a page in a window of this width.
 fn used(browser: &str, page: &Path, width: u32, dark: bool) -> Value {
+    seen(browser, (page, ""), width, dark, USE)
+}
+
+/// What a script found on a page, opened at a place in it.
+pub(crate) fn seen(
+    browser: &str,
+    (page, place): (&Path, &str),
+    width: u32,
+    dark: bool,
+    script: &str,
+) -> Value {
     let folder = TempDir::new().unwrap();
     let html = fs::read_to_string(page).unwrap();
     let (head, body) = html.split_once("<meta charset=\"utf-8\">").unwrap();
-    let copy =
-        format!("{head}<meta charset=\"utf-8\">{WATCH}{}", body.replace("</html>", &format!("{USE}</html>")));
+    let scripts = format!("{LOOK}{script}{END}</html>");
+    let copy = format!("{head}<meta charset=\"utf-8\">{WATCH}{}", body.replace("</html>", &scripts));
     let copy = write(&folder, "page.html", &copy);
     let profile = format!("--user-data-dir={}", folder.path().join("profile").display());
     let window = format!("--window-size={width},900");
@@ -122,7 +141,7 @@ fn used(browser: &str, page: &Path, width: u32, dark: bool) -> Value {
                  --disable-component-update --disable-sync --virtual-time-budget=5000 --dump-dom";
     let output = Command::new(browser)
         .args(flags.split_whitespace())
-        .args([&profile, &window, &scheme, &format!("file://{}", copy.display())])
+        .args([&profile, &window, &scheme, &format!("file://{}{place}", copy.display())])
         .output()
         .unwrap();
     let dom = String::from_utf8(output.stdout).unwrap();

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use contact::Measure;
 use polars::df;
 use polars::prelude::DataFrame;
+use results::Median;
 
 use crate::draw::{Curve, Look, MOST_LINES, Mark, Panel, Plot, Scale, Series, Side, Through, series};
 use crate::read::{
@@ -42,8 +43,8 @@ fn groups(runs: &[RunRow]) -> Vec<Group<'_>> {
     groups
 }
 
-/// `profiles-seconds`, `profiles-sweeps`, of enough problems, and the table `profiles`: which method for which accuracy; with and without
-/// friction, and warm, apart.
+/// `profiles-seconds`, `profiles-sweeps`, of enough problems, and the tables `profiles`, which method for which accuracy, and `pairs`, which
+/// of two; with and without friction, and warm, apart.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let groups = groups(&study.runs);
     let is_known = |run: &RunRow| run.curve.iter().any(|point| point.velocity_error().is_some());
@@ -62,6 +63,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         repeats(&study.runs)
     );
     parts.push(Part::table("profiles", table(&groups, error), note));
+    parts.push(Part::table("pairs", pairs(&groups, error), PAIRS));
     parts
 }
 
@@ -206,6 +208,72 @@ fn table(groups: &[Group], measure: Measure) -> DataFrame {
         "best" => rows.iter().map(|row| row.best).collect::<Vec<_>>(),
         "median_ratio" => rows.iter().map(|row| row.ratio).collect::<Vec<_>>(),
         "problems_of" => rows.iter().map(|row| row.words).collect::<Vec<_>>(),
+    ))
+}
+
+/// Meaning of the columns of pairs.
+const PAIRS: &str = "\nOn so many problems, of those that both were run on, the method is faster to the accuracy than the other by more than \
+                     the intervals of both times, or reaches it alone (wins); no difference shows (ties); the other is (losses); or \
+                     neither reaches it. A profile measures each method against the fastest of all, and changes with who else is in it; \
+                     a pair does not.\n";
+
+/// Two methods on the problems that both were run on.
+pub(crate) struct Pair {
+    pub(crate) method: String,
+    pub(crate) against: String,
+    pub(crate) problems: u64,
+    /// Problems that the method wins, that are ties, and that it loses; on the others neither reaches the accuracy.
+    pub(crate) counts: [u64; 3],
+}
+
+/// Compares every two methods of some runs by their seconds to an accuracy of a measure.
+pub(crate) fn paired<'r>(
+    runs: impl IntoIterator<Item = &'r RunRow>,
+    (measure, accuracy): (Measure, f64),
+) -> Vec<Pair> {
+    let runs: Vec<&RunRow> = runs.into_iter().filter(|run| run.status != Ending::Skipped).collect();
+    let (methods, problems) = (series(runs.iter().copied(), &[]), problems(runs.iter().copied()));
+    let times = |method: &Series| -> Vec<Option<Option<Median>>> {
+        let on = |problem: &&str| method.runs.iter().find(|run| run.problem == **problem);
+        problems.iter().map(|at| on(at).map(|run| COSTS[0].within(run, measure, accuracy))).collect()
+    };
+    let all: Vec<(String, Vec<_>)> = methods.iter().map(|of| (of.label(), times(of))).collect();
+    let pair = |(method, own): &(String, Vec<_>), (against, others): &(String, Vec<_>)| {
+        let mut pair = Pair { method: method.clone(), against: against.clone(), problems: 0, counts: [0; 3] };
+        for (own, other) in own.iter().zip(others).filter_map(|(a, b): (&Option<_>, &Option<_>)| a.zip(*b)) {
+            let wins = |a: Option<Median>, b: Option<Median>| {
+                a.is_some_and(|a| b.is_none_or(|b: Median| a.high < b.low))
+            };
+            pair.problems += 1;
+            let place = if wins(own, other) { 0 } else { 1 + usize::from(wins(other, own)) };
+            if own.is_some() || other.is_some() {
+                pair.counts[place] += 1;
+            }
+        }
+        pair
+    };
+    all.iter().flat_map(|a| all.iter().filter(|b| a.0 != b.0).map(|b| pair(a, b))).collect()
+}
+
+/// Each pair once.
+fn pairs(groups: &[Group], measure: Measure) -> DataFrame {
+    let mut rows: Vec<(&str, f64, Pair)> = Vec::new();
+    for (group, accuracy) in groups.iter().flat_map(|group| ACCURACIES.map(|accuracy| (group, accuracy))) {
+        let all = paired(group.runs.iter().copied(), (measure, accuracy));
+        let each = all.into_iter().filter(|pair| pair.method < pair.against);
+        rows.extend(each.map(|pair| (group.words.as_str(), accuracy, pair)));
+    }
+    let count = |k: usize| rows.iter().map(|(_, _, pair)| pair.counts[k]).collect::<Vec<_>>();
+    frame(df!(
+        measure.name() => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
+        "method" => rows.iter().map(|row| row.2.method.as_str()).collect::<Vec<_>>(),
+        "against" => rows.iter().map(|row| row.2.against.as_str()).collect::<Vec<_>>(),
+        "problems" => rows.iter().map(|row| row.2.problems).collect::<Vec<_>>(),
+        "wins" => count(0),
+        "ties" => count(1),
+        "losses" => count(2),
+        "neither" => rows.iter().map(|row| row.2.problems - row.2.counts.iter().sum::<u64>()).collect::<Vec<_>>(),
+        "problems_of" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
     ))
 }
 

@@ -19,18 +19,26 @@ const THINNEST_CHAIN: f64 = 0.04;
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let figure = |((problem, partition), scene): (&(String, String), &Scene)| {
         let name = format!("sample-{}-{}", file_name(problem), file_name(partition));
-        Part::figure(name, draw(problem, partition, scene))
+        Part::figure(
+            name,
+            drawn(&format!("{problem}, {partition}"), partition, scene, "the reference solution"),
+        )
     };
     study.scenes.par_iter().map(figure).collect()
 }
 
+/// Draws a scene of one subdomain, under a title, with impulses `of` a solution.
+pub(crate) fn draw(title: &str, scene: &Scene, of: &str) -> String {
+    drawn(title, "", scene, of)
+}
+
 /// The scene, its scales, the key of its colours, and its counts in words.
-fn draw(problem: &str, partition: &str, scene: &Scene) -> String {
+fn drawn(title: &str, partition: &str, scene: &Scene, of: &str) -> String {
     let view = View::of(scene);
     let inside = view.width - 2.0 * MARGIN;
     let key = key(scene, inside);
-    let mut lines = wrapped(&format!("{problem}, {partition}"), inside);
-    lines.extend(wrapped(&caption(scene, &view), inside));
+    let mut lines = wrapped(title, inside);
+    lines.extend(wrapped(&caption(scene, &view, of), inside));
     let scales = MARGIN + view.height + 0.8 * LEADING;
     let key_top = scales + 0.8 * LEADING;
     let text_top = key_top + key.height() + 0.3 * LEADING;
@@ -96,7 +104,7 @@ fn draw_names(canvas: &Canvas, view: &View, scene: &Scene) {
 }
 
 /// The counts, and what the lines mean.
-fn caption(scene: &Scene, view: &View) -> String {
+fn caption(scene: &Scene, view: &View, of: &str) -> String {
     let walls = scene.contacts.iter().filter(|contact| contact.wall).count();
     let boundary = scene.grains.iter().filter(|grain| grain.multiplicity > 1).count();
     let counts = format!(
@@ -109,9 +117,7 @@ fn caption(scene: &Scene, view: &View) -> String {
     );
     if view.greatest > 0.0 {
         let share = number(100.0 * THINNEST_CHAIN / view.widest, 1);
-        format!(
-            "{counts} Lines: impulses of the reference solution; below {share}\u{a0}% of the greatest not drawn."
-        )
+        format!("{counts} Lines: impulses of {of}; below {share}\u{a0}% of the greatest not drawn.")
     } else {
         format!("{counts} No impulse is known.")
     }

@@ -29,18 +29,34 @@ for (const box of document.querySelectorAll(".table")) {
       body.append(...rows.sort(order));
     });
   });
+  // A selection keeps the rows with one value in its column; that of an accuracy, those with any value in that column.
+  const place = name => heads.findIndex(head => head.textContent === name);
+  const picks = [...box.querySelectorAll("select")];
+  for (const pick of picks.filter(pick => pick.name !== "reached")) {
+    const values = new Set(rows.map(row => row.cells[place(pick.name)].textContent));
+    for (const value of [...values].sort((a, b) => a.localeCompare(b, "en", { numeric: true }))) pick.add(new Option(value));
+  }
+  // An address may ask for rows: #grains=250&words=nsgs.
+  const asked = [...new URLSearchParams(location.hash.slice(1))], control = name => box.querySelector(`[name="${CSS.escape(name)}"]`);
+  if (asked.every(([name]) => control(name))) for (const [name, value] of asked) {
+    control(name).value = value;
+    // No row has the value.
+    if (control(name).selectedIndex < 0) { control(name).add(new Option(value)); control(name).value = value; }
+  }
+  const kept = (row, pick) => !pick.value || (pick.name === "reached"
+    ? row.cells[place(pick.value)].textContent !== "–" : row.cells[place(pick.name)].textContent === pick.value);
   const count = box.querySelector(".count");
   const filter = () => {
     const words = box.querySelector("input").value.toLowerCase().split(/\s+/);
     let left = 0;
     for (const row of rows) {
       const text = row.textContent.toLowerCase();
-      row.hidden = !words.every(word => text.includes(word));
+      row.hidden = !words.every(word => text.includes(word)) || !picks.every(pick => kept(row, pick));
       left += !row.hidden;
     }
     count.textContent = `${left === rows.length ? "" : `${left} of `}${rows.length} row${rows.length === 1 ? "" : "s"}`;
   };
-  box.querySelector("input").addEventListener("input", filter);
+  for (const control of [box.querySelector("input"), ...picks]) control.addEventListener("input", filter);
   filter();
 }
 // Figures: a click, or Enter, shows one as large as the window.

@@ -21,10 +21,24 @@ pub(crate) struct Rows {
     shown: usize,
     of: usize,
     notes: Vec<String>,
+    /// Headings of the columns by whose values rows are chosen.
+    filters: Vec<&'static str>,
+    /// Headings of the columns that have a value where a run reached an accuracy.
+    accuracies: Vec<String>,
 }
 
 impl Rows {
     pub(crate) fn of(name: &str, table: &DataFrame, note: &str) -> Result<Self, ReportError> {
+        Self::linked(name, table, note, &|_, _| None)
+    }
+
+    /// The rows of a table of which some cells lead elsewhere, by the number of their row and their heading.
+    pub(crate) fn linked(
+        name: &str,
+        table: &DataFrame,
+        note: &str,
+        leads: &dyn Fn(usize, &str) -> Option<String>,
+    ) -> Result<Self, ReportError> {
         let columns = columns(table, MOST_ROWS)?;
         let shown = table.height().min(MOST_ROWS);
         // The whole value, by which a row is sorted: what is written is rounded.
@@ -39,15 +53,37 @@ impl Rows {
                     None if column.cells[row].chars().count() > LONG => body += "<td class=\"long\">",
                     None => body += "<td>",
                 }
-                body += &escaped(&column.cells[row]);
+                let text = escaped(&column.cells[row]);
+                match leads(row, &column.name) {
+                    Some(to) => body += &format!("<a href=\"{}\">{text}</a>", escaped(&to)),
+                    None => body += &text,
+                }
             }
             body += "\n";
         }
         let notes = note.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect();
-        Ok(Self { name: name.to_owned(), headings: columns, body, shown, of: table.height(), notes })
+        Ok(Self {
+            name: name.to_owned(),
+            headings: columns,
+            body,
+            shown,
+            of: table.height(),
+            notes,
+            filters: Vec::new(),
+            accuracies: Vec::new(),
+        })
+    }
+
+    /// The rows, to be chosen by the values of the columns with these headings, and by the accuracy that they reached.
+    pub(crate) fn chosen_by(mut self, headings: &[&'static str]) -> Self {
+        self.filters = headings.to_vec();
+        let names = self.headings.iter().map(|heading| &heading.name);
+        self.accuracies = names.filter(|name| name.starts_with("natural map ≤")).cloned().collect();
+        self
     }
 }
 
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+/// Writes a text as HTML.
+pub(crate) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

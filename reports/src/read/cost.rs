@@ -34,14 +34,16 @@ impl Cost {
         (self.of)(run, &run.curve[results::reached(values, accuracy)?])
     }
 
+    /// That cost with its interval, which is none where it is counted.
+    pub(crate) fn within(&self, run: &RunRow, measure: Measure, accuracy: f64) -> Option<Median> {
+        let cost = self.to(run, measure, accuracy)?;
+        if self.is_timed { run.interval(cost) } else { Some(Median { low: cost, median: cost, high: cost }) }
+    }
+
     /// The runs with the least cost to an accuracy of a measure: one, or those whose intervals overlap its own. None where seconds of one
     /// of them are of fewer than five repeats.
     pub(crate) fn least<'r>(&self, runs: &[&'r RunRow], measure: Measure, accuracy: f64) -> Vec<&'r RunRow> {
-        let priced = |run: &'_ &'r RunRow| {
-            let cost = self.to(run, measure, accuracy)?;
-            let exact = Median { low: cost, median: cost, high: cost };
-            Some((if self.is_timed { run.interval(cost)? } else { exact }, *run))
-        };
+        let priced = |run: &'_ &'r RunRow| Some((self.within(run, measure, accuracy)?, *run));
         let priced: Vec<(Median, &RunRow)> = runs.iter().filter_map(priced).collect();
         if self.is_timed && priced.iter().any(|(_, run)| run.timing.repeats < REPEATS) {
             return Vec::new();

@@ -18,6 +18,14 @@ pub(crate) struct Kind<'r> {
     pub(crate) runs: Vec<&'r RunRow>,
 }
 
+impl RunRow {
+    /// Returns the number of grains that was asked for: another sample of as many may have one more or less that touches.
+    pub(crate) fn grains_asked(&self) -> u32 {
+        let asked = self.problem_settings.get(GRAINS).and_then(Value::as_u64);
+        asked.map_or(self.grains, |grains| grains as u32)
+    }
+}
+
 impl Kind<'_> {
     /// Number of problems.
     pub(crate) fn problems(&self) -> usize {
@@ -49,8 +57,7 @@ pub(crate) fn kinds(runs: &[RunRow]) -> Vec<Kind<'_>> {
         });
         let warm = run.warm_start.then(|| "warm".to_owned());
         let name = when.into_iter().chain(others).chain(warm).collect::<Vec<_>>().join(", ");
-        // Another sample of as many grains may have one more or less that touches.
-        let grains = settings.get(GRAINS).and_then(Value::as_u64).map_or(run.grains, |grains| grains as u32);
+        let grains = run.grains_asked();
         let same = |kind: &Kind| kind.name == name && kind.case == case && kind.grains == grains;
         let new = || Kind { name: name.clone(), case: case.to_owned(), grains, runs: Vec::new() };
         find_or_push(&mut kinds, same, new).runs.push(run);
