@@ -1,6 +1,7 @@
 //! `gravel archive`: a study in one file with all that makes it again; and the check of such a file, or of archived rows.
 
 use crate::cli::args::{PlanArgs, StudyArgs};
+use crate::exchange::is_foreign;
 use crate::identity::provenance;
 use crate::plan::{Curves, Method, Plan, Variant};
 use crate::problems::{Known, Problem};
@@ -117,7 +118,11 @@ fn pack(root: &Root, args: &Args, output: &Path) -> Result<()> {
     add(format!("harness/plans/{}.toml", stem(&path)), &path)?;
     for (held, name) in sources(&rows) {
         let file = if held == Held::Case { root.case(&name)? } else { root.any_problem(&name)? };
-        let base = if held == Held::Case { "cases" } else { "cases/frozen" };
+        let base = match held {
+            Held::Case => "cases",
+            _ if is_foreign(&file) => "cases/foreign",
+            _ => "cases/frozen",
+        };
         let file_name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         add(format!("{base}/{file_name}"), &file)?;
         if held == Held::Case
@@ -363,7 +368,7 @@ impl Check {
                 let is_ours = |record: &&Record| {
                     let ended =
                         !matches!(record.run.status, Ending::Skipped | Ending::Given | Ending::Failed);
-                    ended && record.run.provenance.other_code.is_empty()
+                    ended && record.run.grains > 0 && record.run.provenance.other_code.is_empty()
                 };
                 let of: Vec<&Record> = records.iter().filter(is_ours).collect();
                 let cost = |record: &Record| {
@@ -377,7 +382,12 @@ impl Check {
             Rows::Simulations(all) => {
                 let of: Vec<&Simulated> = all.iter().collect();
                 let plan = all.first().map_or("", |one| &one.simulation.plan);
-                let study = ThroughTime::new(StudyArgs::plan(plan, false).selection(root)?, root, false)?;
+                let study = ThroughTime::new(
+                    StudyArgs::plan(plan.trim_end_matches("-quick"), plan.ends_with("-quick"))
+                        .selection(root)?,
+                    root,
+                    false,
+                )?;
                 let cost =
                     |one: &Simulated| one.simulation.totals.iterations * u64::from(one.simulation.grains);
                 self.again(&rows, &of, &cost, &|one| simulated_again(root, &study, one))
