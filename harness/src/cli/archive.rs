@@ -1,6 +1,7 @@
 //! `gravel archive`: a study in one file with all that makes it again; and the check of such a file, or of archived rows.
 
 use crate::cli::args::{PlanArgs, StudyArgs};
+use crate::collection::sha256;
 use crate::exchange::is_foreign;
 use crate::identity::provenance;
 use crate::plan::{Curves, Method, Plan, Variant};
@@ -21,7 +22,6 @@ use results::simulation::Simulated;
 use results::study::{Runs, Study as Rows, TABLES};
 use runner::{Measured, Stop};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::num::NonZeroUsize;
@@ -241,10 +241,6 @@ fn origins(rows: &Rows) -> Vec<&Provenance> {
     }
 }
 
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 /// Describes a pack as [RO-Crate 1.2](https://w3id.org/ro/crate/1.2) does: each file with its length and SHA-256, the program and the
 /// machines that made the rows, and when.
 fn described(plan: &Plan, rows: &Rows, files: &BTreeMap<String, Vec<u8>>) -> Result<Value> {
@@ -334,6 +330,9 @@ fn unpacked(file: &Path, folder: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Record made again, and the id that it has now; none if the user stopped it.
+type Again<R> = Option<(R, String)>;
+
 impl Check {
     fn run(&self, root: &Root) -> Result<ExitCode> {
         let name = || self.what.display().to_string();
@@ -402,7 +401,7 @@ impl Check {
         rows: &Rows,
         all: &[&R],
         cost: &dyn Fn(&R) -> u64,
-        made: &dyn Fn(&R) -> Result<Option<(R, String)>>,
+        made: &dyn Fn(&R) -> Result<Again<R>>,
     ) -> Result<usize> {
         let mut drawn = all.to_vec();
         drawn.sort_by_cached_key(|record| hash_of(&json!([record.id(), self.salt])));
@@ -464,7 +463,7 @@ fn collected(root: &Root, hash: &str) -> Option<PathBuf> {
 }
 
 /// Makes a run again; `None` if the user stopped it.
-fn made_again(root: &Root, record: &Record) -> Result<Option<(Record, String)>> {
+fn made_again(root: &Root, record: &Record) -> Result<Again<Record>> {
     let run = &record.run;
     let frozen = match collected(root, &run.problem_hash) {
         Some(file) => AnyFrozen::read(&file)?,
@@ -501,11 +500,7 @@ fn made_again(root: &Root, record: &Record) -> Result<Option<(Record, String)>> 
 }
 
 /// Makes a simulation again; `None` if the user stopped it.
-fn simulated_again(
-    root: &Root,
-    study: &ThroughTime,
-    simulated: &Simulated,
-) -> Result<Option<(Simulated, String)>> {
+fn simulated_again(root: &Root, study: &ThroughTime, simulated: &Simulated) -> Result<Again<Simulated>> {
     let one = &simulated.simulation;
     let same = |task: &&Task<Through>| {
         let (what, method) = (&task.what, &task.variant.method);
