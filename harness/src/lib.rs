@@ -60,7 +60,7 @@ mod collection {
 
     pub(crate) use answers::{Standing, Status};
     pub(crate) use check::{checked, orphans, submitted};
-    pub(crate) use entry::{Entry, Foreign, State};
+    pub(crate) use entry::{Entry, Foreign, State, sha256};
     pub(crate) use folder::Collection;
     pub(crate) use recipe::{About, Recipe};
     pub(crate) use submission::{Claimed, Division, FORMAT, Submission, distance};

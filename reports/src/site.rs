@@ -201,7 +201,7 @@ impl<'s> Pages<'s> {
         found.is_ok().then(|| format!("problem-{hash}.html"))
     }
 
-    /// Rows of runs, whose problems lead to their pages.
+    /// Makes the rows of the runs on some problems, each of which leads to its page.
     fn rows_of_runs(&self, keep: &dyn Fn(&str) -> bool) -> Result<Rows, ReportError> {
         let kept: Vec<usize> = (0..self.hashes.len()).filter(|row| keep(self.hashes[*row])).collect();
         let leads = |row: usize, heading: &str| {
@@ -265,7 +265,7 @@ impl<'s> Pages<'s> {
         Ok(Rows::linked("hazards", &tables::hazards(&kept), "", &leads)?.chosen_by(&["status"]))
     }
 
-    /// Studies that rank methods.
+    /// Returns the studies that rank methods.
     fn ranked(&self) -> impl Iterator<Item = &'s (&'s str, Problems)> {
         let of = |name: &str| self.site.studies.iter().find(|study| study.about.name == name);
         let ranks = move |name: &str| {
@@ -296,7 +296,9 @@ impl<'s> Pages<'s> {
     }
 
     fn method(&self, method: &str) -> Result<String, ReportError> {
-        let mut made: BTreeMap<(&str, bool), (u64, BTreeMap<String, u64>)> = BTreeMap::new();
+        // By study and law the number of all runs, and of those that failed by their ending.
+        type Made<'m> = BTreeMap<(&'m str, bool), (u64, BTreeMap<String, u64>)>;
+        let mut made = Made::new();
         for (name, study) in self.studies {
             let verdicts = Verdicts::of(&study.runs);
             for run in study.runs.iter().filter(|run| run.method == method) {

@@ -1,6 +1,8 @@
 //! `gravel archive`: a study in one file with all that makes it again; and the check of such a file, or of archived rows.
 
 use crate::cli::args::{PlanArgs, StudyArgs};
+use crate::collection::sha256;
+use crate::exchange::is_foreign;
 use crate::identity::provenance;
 use crate::plan::{Curves, Method, Plan, Variant};
 use crate::problems::{Known, Problem};
@@ -20,7 +22,6 @@ use results::simulation::Simulated;
 use results::study::{Runs, Study as Rows, TABLES};
 use runner::{Measured, Stop};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::num::NonZeroUsize;
@@ -117,7 +118,11 @@ fn pack(root: &Root, args: &Args, output: &Path) -> Result<()> {
     add(format!("harness/plans/{}.toml", stem(&path)), &path)?;
     for (held, name) in sources(&rows) {
         let file = if held == Held::Case { root.case(&name)? } else { root.any_problem(&name)? };
-        let base = if held == Held::Case { "cases" } else { "cases/frozen" };
+        let base = match held {
+            Held::Case => "cases",
+            _ if is_foreign(&file) => "cases/foreign",
+            _ => "cases/frozen",
+        };
         let file_name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         add(format!("{base}/{file_name}"), &file)?;
         if held == Held::Case
@@ -236,10 +241,6 @@ fn origins(rows: &Rows) -> Vec<&Provenance> {
     }
 }
 
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 /// Describes a pack as [RO-Crate 1.2](https://w3id.org/ro/crate/1.2) does: each file with its length and SHA-256, the program and the
 /// machines that made the rows, and when.
 fn described(plan: &Plan, rows: &Rows, files: &BTreeMap<String, Vec<u8>>) -> Result<Value> {
@@ -329,6 +330,9 @@ fn unpacked(file: &Path, folder: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Record made again, and the id that it has now; none if the user stopped it.
+type Again<R> = Option<(R, String)>;
+
 impl Check {
     fn run(&self, root: &Root) -> Result<ExitCode> {
         let name = || self.what.display().to_string();
@@ -363,7 +367,7 @@ impl Check {
                 let is_ours = |record: &&Record| {
                     let ended =
                         !matches!(record.run.status, Ending::Skipped | Ending::Given | Ending::Failed);
-                    ended && record.run.provenance.other_code.is_empty()
+                    ended && record.run.grains > 0 && record.run.provenance.other_code.is_empty()
                 };
                 let of: Vec<&Record> = records.iter().filter(is_ours).collect();
                 let cost = |record: &Record| {
@@ -377,7 +381,12 @@ impl Check {
             Rows::Simulations(all) => {
                 let of: Vec<&Simulated> = all.iter().collect();
                 let plan = all.first().map_or("", |one| &one.simulation.plan);
-                let study = ThroughTime::new(StudyArgs::plan(plan, false).selection(root)?, root, false)?;
+                let study = ThroughTime::new(
+                    StudyArgs::plan(plan.trim_end_matches("-quick"), plan.ends_with("-quick"))
+                        .selection(root)?,
+                    root,
+                    false,
+                )?;
                 let cost =
                     |one: &Simulated| one.simulation.totals.iterations * u64::from(one.simulation.grains);
                 self.again(&rows, &of, &cost, &|one| simulated_again(root, &study, one))
@@ -392,7 +401,7 @@ impl Check {
         rows: &Rows,
         all: &[&R],
         cost: &dyn Fn(&R) -> u64,
-        made: &dyn Fn(&R) -> Result<Option<(R, String)>>,
+        made: &dyn Fn(&R) -> Result<Again<R>>,
     ) -> Result<usize> {
         let mut drawn = all.to_vec();
         drawn.sort_by_cached_key(|record| hash_of(&json!([record.id(), self.salt])));
@@ -454,7 +463,7 @@ fn collected(root: &Root, hash: &str) -> Option<PathBuf> {
 }
 
 /// Makes a run again; `None` if the user stopped it.
-fn made_again(root: &Root, record: &Record) -> Result<Option<(Record, String)>> {
+fn made_again(root: &Root, record: &Record) -> Result<Again<Record>> {
     let run = &record.run;
     let frozen = match collected(root, &run.problem_hash) {
         Some(file) => AnyFrozen::read(&file)?,
@@ -491,11 +500,7 @@ fn made_again(root: &Root, record: &Record) -> Result<Option<(Record, String)>> 
 }
 
 /// Makes a simulation again; `None` if the user stopped it.
-fn simulated_again(
-    root: &Root,
-    study: &ThroughTime,
-    simulated: &Simulated,
-) -> Result<Option<(Simulated, String)>> {
+fn simulated_again(root: &Root, study: &ThroughTime, simulated: &Simulated) -> Result<Again<Simulated>> {
     let one = &simulated.simulation;
     let same = |task: &&Task<Through>| {
         let (what, method) = (&task.what, &task.variant.method);

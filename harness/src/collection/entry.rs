@@ -139,10 +139,14 @@ impl Foreign {
     pub(crate) fn of(file: &Path) -> Result<Self> {
         let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let hex = |text: String, byte: &u8| text + &format!("{byte:02x}");
-        let sha256 = Sha256::digest(&bytes).iter().fold(String::new(), hex);
-        Ok(Self { file: name, sha256, bytes: bytes.len() as u64 })
+        Ok(Self { file: name, sha256: sha256(&bytes), bytes: bytes.len() as u64 })
     }
+}
+
+/// Returns the SHA-256 of bytes, in hexadecimal digits.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    let hex = |text: String, byte: &u8| text + &format!("{byte:02x}");
+    Sha256::digest(bytes).iter().fold(String::new(), hex)
 }
 
 /// Returns the facts of a posed problem that an entry repeats, for its check: mechanics, grains, contacts, least and greatest μ.

@@ -45,7 +45,7 @@ impl Known {
         Ok(Self { impulses: solutions.into_iter().map(|solution| solution.impulses).collect(), ..sought })
     }
 
-    /// Solutions that are stored and certified (N·s), or the proof that there is none.
+    /// Returns stored, certified solutions (N·s), or the fact that none exists, as known.
     pub(crate) fn stored(impulses: Vec<Vec<f64>>, is_infeasible: bool) -> Self {
         Self { impulses, is_infeasible, was_sought: !is_infeasible, ..Self::default() }
     }

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// before one without.
 type Found = BTreeMap<String, (String, Option<Record>)>;
 
-/// The folder of the study of `plan`.
+/// Returns the folder of the newest study of a plan.
 pub(crate) fn stored(root: &Root, plan: &Plan) -> Result<PathBuf> {
     let runs = runs_folder(root);
     tables_folder(&runs, &plan.name).with_context(|| {

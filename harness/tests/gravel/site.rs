@@ -52,7 +52,9 @@ fn site_has_the_same_bytes_again_and_no_dead_link() {
     let files = all(&site);
     assert!(files == all(&again), "two sites of one tree differ");
     let mut links = 0;
-    for (name, held) in files.iter().filter(|(name, _)| name.ends_with(".html")) {
+    for (name, held) in
+        files.iter().filter(|(name, _)| Path::new(name).extension().is_some_and(|ending| ending == "html"))
+    {
         let page = String::from_utf8(held.clone()).unwrap();
         // Scripts make addresses as they run.
         let parts =
@@ -115,7 +117,7 @@ seen.there = document.querySelector("#answer").textContent;
 </script>"##;
 
 /// The rows that are left, by the address and by a choice.
-const CHOOSE: &str = r##"<script>
+const CHOOSE: &str = r#"<script>
 const box = document.querySelector("[data-table=runs]");
 const left = () => box.querySelectorAll("tbody tr:not([hidden])").length;
 seen.asked = left();
@@ -123,7 +125,7 @@ const pick = box.querySelector("[name=method]");
 seen.methods = [...pick.options].map(option => option.value);
 pick.value = "cg"; pick.dispatchEvent(new Event("input"));
 seen.chosen = left();
-</script>"##;
+</script>"#;
 
 #[test]
 fn first_page_answers_in_a_browser_and_leads_to_the_rows() {

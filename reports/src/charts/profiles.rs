@@ -255,7 +255,7 @@ pub(crate) fn paired<'r>(
     all.iter().flat_map(|a| all.iter().filter(|b| a.0 != b.0).map(|b| pair(a, b))).collect()
 }
 
-/// Each pair once.
+/// Makes the table `pairs`, each pair once.
 fn pairs(groups: &[Group], measure: Measure) -> DataFrame {
     let mut rows: Vec<(&str, f64, Pair)> = Vec::new();
     for (group, accuracy) in groups.iter().flat_map(|group| ACCURACIES.map(|accuracy| (group, accuracy))) {

@@ -65,10 +65,13 @@ pub(crate) fn grid(
     let pitch = inside_width() / columns as f64;
     let wide = pitch - LEFT - RIGHT;
     let taken = LEADING * title.len() as f64;
-    let high = own::style().panel_height_mm.map(|high| high / enlarged()).unwrap_or_else(|| match rows {
-        1 => HEIGHT.min(wide),
-        rows => HEIGHT.min(wide).min(high(rows, taken + legend.height()).max(LEAST)),
-    });
+    let high = own::style().panel_height_mm.map_or_else(
+        || match rows {
+            1 => HEIGHT.min(wide),
+            rows => HEIGHT.min(wide).min(high(rows, taken + legend.height()).max(LEAST)),
+        },
+        |high| high / enlarged(),
+    );
     let first = MARGIN + taken + ABOVE;
     let bottom = first + rows as f64 * (high + BELOW + ABOVE) - BELOW - ABOVE;
     svg((page(), (bottom + BELOW + legend.height() + MARGIN).ceil()), |canvas| {

@@ -32,7 +32,7 @@ impl Rows {
         Self::linked(name, table, note, &|_, _| None)
     }
 
-    /// The rows of a table of which some cells lead elsewhere, by the number of their row and their heading.
+    /// Makes the rows of a table. `leads` names the page to which a cell leads, if any, by its row and its heading.
     pub(crate) fn linked(
         name: &str,
         table: &DataFrame,
@@ -55,7 +55,7 @@ impl Rows {
                 }
                 let text = escaped(&column.cells[row]);
                 match leads(row, &column.name) {
-                    Some(to) => body += &format!("<a href=\"{}\">{text}</a>", escaped(&to)),
+                    Some(to) => body.extend(["<a href=\"", &escaped(&to), "\">", &text, "</a>"]),
                     None => body += &text,
                 }
             }
@@ -74,7 +74,7 @@ impl Rows {
         })
     }
 
-    /// The rows, to be chosen by the values of the columns with these headings, and by the accuracy that they reached.
+    /// Offers a choice by the values of the columns with these headings, and by the accuracy that was reached.
     pub(crate) fn chosen_by(mut self, headings: &[&'static str]) -> Self {
         self.filters = headings.to_vec();
         let names = self.headings.iter().map(|heading| &heading.name);

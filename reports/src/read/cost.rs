@@ -34,7 +34,7 @@ impl Cost {
         (self.of)(run, &run.curve[results::reached(values, accuracy)?])
     }
 
-    /// That cost with its interval, which is none where it is counted.
+    /// Returns that cost with its interval, which has no width where it is counted.
     pub(crate) fn within(&self, run: &RunRow, measure: Measure, accuracy: f64) -> Option<Median> {
         let cost = self.to(run, measure, accuracy)?;
         if self.is_timed { run.interval(cost) } else { Some(Median { low: cost, median: cost, high: cost }) }
