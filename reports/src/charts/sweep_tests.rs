@@ -220,6 +220,17 @@ fn profiles_have_ties_and_groups() {
     let of = |method| best(method, ",without friction");
     assert_eq!([of("nsgs"), of("cg"), of("jacobi")], ["1", "1", "0"].map(|n| Some(n.to_owned())), "{csv}");
     assert_eq!((best("nsgs", ",with friction").as_deref(), best("apgd", "")), (Some("1"), None), "{csv}");
+    // Each pair once, on problems that both were run on: nsgs and cg overlap, jacobi is slower than both, and 1e-6 reaches none.
+    let pairs = text(&files, "pairs.csv");
+    for row in [
+        "0.01,cg,nsgs,1,0,1,0,0,without friction",
+        "0.01,cg,jacobi,1,1,0,0,0,without friction",
+        "0.01,jacobi,nsgs,1,0,0,1,0,without friction",
+        "1e-6,cg,nsgs,1,0,0,0,1,without friction",
+    ] {
+        assert!(pairs.lines().any(|line| line == row), "no {row} in {pairs}");
+    }
+    assert!(!pairs.contains("apgd") && !pairs.contains("nsgs,cg"), "{pairs}");
 }
 
 #[test]
