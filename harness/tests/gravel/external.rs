@@ -144,10 +144,10 @@ fn code_that_is_not_there_or_cannot_do_it_is_skipped_and_told() {
 fn wrong_descriptions_and_settings_are_refused() {
     let refused =
         |description: &str, args: &[&str], words: &[&str]| study(description).gravel(args).refused(words);
-    let list = ["list", "plans"];
-    refused(&CODE.replace("{answer}", "{reply}"), &list, &["code.toml", "`command` must hold {answer}"]);
-    refused(&CODE.replace("'code.sh'", "'other.sh'"), &list, &["code.toml", "other.sh"]);
-    refused(&CODE.replace("what = 'a code'", ""), &list, &["code.toml", "what"]);
+    let named = ["solve", "pair", "--method", "code"];
+    refused(&CODE.replace("{answer}", "{reply}"), &named, &["code.toml", "`command` must hold {answer}"]);
+    refused(&CODE.replace("'code.sh'", "'other.sh'"), &named, &["code.toml", "other.sh"]);
+    refused(&CODE.replace("what = 'a code'", ""), &named, &["code.toml", "what"]);
     let solve = |set| ["solve", "pair", "--method", "code", "--set", set];
     refused(CODE, &solve("does=flies"), &["method `code`, `does` is \"flies\"", "solves, negative"]);
     refused(CODE, &solve("tolerances=[]"), &["`tolerances` is []", "positive numbers"]);

@@ -29,7 +29,10 @@ fn what_has_no_meaning_is_named_with_its_line() {
     let word = refused("x_m,y_m,radius_m\n0,0,1\n0,high,1\n", false);
     assert!(word.contains("grains.csv: line 3: `y_m` is \"high\": a number is asked"), "{word}");
     let commas = refused("x_m,y_m,radius_m\n\"0,0\",\"0,1\",\"0,1\"\n", false);
-    assert!(commas.contains("line 2: `x_m` is \"0,0\"") && commas.contains("points in decimals"), "{commas}");
+    assert!(
+        commas.contains("line 2: `x_m` is \"0,0\"") && commas.contains("decimals have points"),
+        "{commas}"
+    );
     assert!(refused("x_m,y_m,radius_m\n0,,1\n", false).contains("line 2: `y_m` is \"\""));
     let short = refused("x_m,y_m,radius_m\n0,0.1\n", false);
     assert!(short.contains("line 2 is \"0,0.1\": `radius_m` is missing, since it has 2 values"), "{short}");
@@ -51,7 +54,7 @@ fn what_has_no_meaning_is_named_with_its_line() {
     assert!(refused("x_m\ty_m\tradius_m\n0\t0\t1\n", false).contains("with tabs between values"));
     let decimals = refused("x_m,y_m,radius_m\n0,0,0,1,0,1\n", false);
     assert!(
-        decimals.contains("line 2 is \"0,0,0,1,0,1\"") && decimals.contains("points in decimals"),
+        decimals.contains("line 2 is \"0,0,0,1,0,1\"") && decimals.contains("decimals have points"),
         "{decimals}"
     );
 }

@@ -47,12 +47,21 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
 }
 
 #[test]
+fn accuracy_is_the_strictest_at_which_a_run_was_to_stop() {
+    let ours = Run { tolerance: 1e-3, ..run(0, "cg", "", Ending::Converged) };
+    let fast = vec![sample(0, 1.0, 1.0), Sample { iterating_s: 0.25, ..sample(1, 5e-3, 5e-3) }];
+    let note = files(&parts(&study(&[ours], &[(0, fast)])));
+    assert!(file(&note, "peers.md").contains("to a natural map of 10⁻²"), "{}", file(&note, "peers.md"));
+    assert!(file(&note, "peers.csv").contains("column,cg,converged,"));
+}
+
+#[test]
 fn run_that_does_not_come_there_has_no_seconds_and_a_failed_one_its_reason() {
     let reason = "at the tolerance 1e-2: no answer within 1 s".to_owned();
     let failed = Run { reason, ..run(1, "osqp", "", Ending::Failed) };
     let skipped = Run { reason: "highs is not installed".to_owned(), ..run(2, "highs", "", Ending::Skipped) };
-    let files =
-        files(&parts(&study(&[run(0, "nsgs", "", Ending::Converged), failed, skipped], &[(0, decay())])));
+    let ours = Run { tolerance: 1e-6, ..run(0, "nsgs", "", Ending::Converged) };
+    let files = files(&parts(&study(&[ours, failed, skipped], &[(0, decay())])));
     let csv = file(&files, "peers.csv");
     for row in ["column,nsgs,converged,", "column,osqp,failed,", "column,highs,skipped,,"] {
         assert!(csv.lines().any(|line| line.starts_with(row) && line.ends_with(",,,,")), "{csv}");
