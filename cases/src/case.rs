@@ -59,20 +59,13 @@ pub fn of_toml<T: DeserializeOwned>(text: &str) -> Result<T, (String, toml::de::
 fn culprit(all: &toml::Table, at: &str, error: &str) -> Option<(String, toml::Value)> {
     let is_of_value = error.starts_with("invalid type") || error.starts_with("invalid value");
     let table = all.get(at).and_then(toml::Value::as_table).filter(|_| is_of_value)?;
-    let mut without = all.clone();
-    let keys = table.iter().filter(|(key, _)| *key != "kind");
     let is_wrong = |(key, _): &(&String, &toml::Value)| {
-        let Some(others) = without.get_mut(at).and_then(toml::Value::as_table_mut) else { return false };
-        let removed = others.remove(*key);
-        let other = of_toml::<Case>(&without.to_string()).err().map(|(_, error)| error.message().to_owned());
-        let others = without.get_mut(at).and_then(toml::Value::as_table_mut);
-        if let (Some(others), Some(removed)) = (others, removed) {
-            others.insert((*key).clone(), removed);
-        }
-        other.as_deref() != Some(error)
+        let mut without = all.clone();
+        without.get_mut(at).and_then(toml::Value::as_table_mut).map(|table| table.remove(*key));
+        let other = of_toml::<Case>(&without.to_string()).err();
+        *key != "kind" && other.is_none_or(|(_, other)| other.message() != error)
     };
-    let mut keys = keys;
-    keys.find(is_wrong).map(|(key, value)| (format!("{at}.{key}"), value.clone()))
+    table.iter().find(is_wrong).map(|(key, value)| (format!("{at}.{key}"), value.clone()))
 }
 
 impl Case {
@@ -88,7 +81,7 @@ impl Case {
         let all =
             |error: String| content.as_ref().map_or(error.clone(), |all| all_missing::<Self>(all, error));
         let mut case: Self = of_toml(&text).map_err(|(at, error)| {
-            // Of a table whose keys depend on its `kind` the error has neither key nor line.
+            // The error in a table whose keys depend on its `kind` has neither key nor line.
             let culprit = content.as_ref().ok().and_then(|all| culprit(all, &at, error.message()));
             let message = culprit.map(|(key, value)| format!("`{key}` = {value}: {}", error.message()));
             CaseError::content(path, message.unwrap_or_else(|| all(error.to_string())))

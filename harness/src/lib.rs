@@ -73,7 +73,9 @@ mod store {
     mod stored;
 
     pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
-    pub(crate) use folder::{about, draw, finish, open, records_of, runs_folder, tables_of};
+    pub(crate) use folder::{
+        about, draw, finish, has_tables, open, records_of, runs_folder, studies_in, tables_of,
+    };
     pub(crate) use stored::{is_id, problem_of_run, stored, stored_run};
 }
 
@@ -110,7 +112,7 @@ mod run {
 
     pub(crate) use answer::{asked, outcome, to_json};
     pub(crate) use curve::{Recorder, decades, first_at};
-    pub(crate) use execute::{Conditions, How, Task, few, in_parallel, in_the_pool};
+    pub(crate) use execute::{Conditions, How, Task, few, from_one, in_parallel, in_the_pool};
     pub(crate) use external::{Ended, ended};
     pub(crate) use homogenised::homogenised;
     pub(crate) use problem::{Snapshots, run_on_problem};
@@ -163,7 +165,8 @@ mod plan {
     pub(crate) use file::{Curves, Plan, PlannedCase, chart};
     pub(crate) use marcher::Marcher;
     pub(crate) use methods::{
-        Entry, Method, Runs, key_value, method, method_names, methods, read_external, refuse_repeated,
+        Entry, Method, Runs, all_typed, key_value, method, method_names, methods, read_external,
+        refuse_repeated, wrong,
     };
     pub(crate) use rules::{Rule, Simulate};
     pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};

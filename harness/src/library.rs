@@ -196,15 +196,6 @@ fn root() -> Result<Root> {
     Ok(root)
 }
 
-/// Returns the method of this name, or else that of the command line, whose own settings stay unless others are given.
-fn named_or_default(name: Option<&str>, settings: Map<String, Value>, is_frictional: bool) -> Result<Method> {
-    let default = Method::marching(is_frictional, "none")?;
-    match name {
-        None if settings.is_empty() => Ok(default),
-        name => Method::new(name.unwrap_or(default.name), settings),
-    }
-}
-
 /// Returns the error of a request by the key that its caller gave.
 fn wrong_key(error: &serde_path_to_error::Error<serde_json::Error>) -> anyhow::Error {
     let path = error.path().to_string();
@@ -219,7 +210,8 @@ fn solved(
 ) -> Result<Solved> {
     stop.check()?;
     let problem = Problem::alone(frozen, truth || stop.on == Measure::VelocityError);
-    let method = &named_or_default(method.as_deref(), settings, problem.posed.facts().of_contact > 1)?;
+    let default = Method::marching(problem.posed.facts().of_contact > 1, "none")?;
+    let method = &default.or_named(method.as_deref(), settings)?;
     let known = problem.known(root)?;
     let mut recorder = Recorder::new(Curves::Whole);
     let mut observe = |progress: &Progress| {

@@ -93,7 +93,7 @@ fn inside<P: Place>(scene: &Scene, time: f64, position: &[P], radius: &[f64]) ->
     let count = position.len() as f64;
     let margin = MARGIN * 2.0 * radius.iter().sum::<f64>() / count;
     let foot = walls[0]?.foot;
-    // What has not yet come down lies higher than the floor.
+    // A bed that has not come down lies higher than the floor.
     let lowest = position.iter().zip(radius).map(|(x, radius)| x[1] - radius).fold(f64::INFINITY, f64::min);
     let ground = if lowest > foot[1] + margin { lowest } else { foot[1] };
     let bed = 2.0 * (position.iter().map(|x| x[1]).sum::<f64>() / count - ground);

@@ -8,7 +8,7 @@ use crate::plan::{Curves, Method, Plan, Variant};
 use crate::problems::{Known, Problem};
 use crate::root::{Kind as Held, Root, stem};
 use crate::run::{Conditions, How, Recorder, Task, Through, ended, ended_row};
-use crate::store::{problem_of_run, stored, tables_of};
+use crate::store::{has_tables, problem_of_run, stored, studies_in, tables_of};
 use crate::study::{Kind, ThroughTime, run_id};
 use crate::terminal::{Bars, exit, prepare_new, progress, read_text, say, say_table, write_whole};
 use anyhow::{Context, Result, bail, ensure};
@@ -148,22 +148,6 @@ fn pack(root: &Root, args: &Args, output: &Path) -> Result<()> {
     }
     write_whole(output, tar.into_inner()?)?;
     say(format_args!("{name}: {count} files, {}", counted(&rows)))
-}
-
-/// Returns the folders of tables below a folder, by name.
-fn studies_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let name = || folder.display().to_string();
-    let mut studies = Vec::new();
-    for entry in fs::read_dir(folder).with_context(name)? {
-        studies.extend(Some(entry.with_context(name)?.path()).filter(|path| has_tables(path)));
-    }
-    studies.sort();
-    ensure!(!studies.is_empty(), "{}: it holds no tables of a study", name());
-    Ok(studies)
-}
-
-fn has_tables(folder: &Path) -> bool {
-    TABLES.iter().any(|table| folder.join(format!("{table}.parquet")).is_file())
 }
 
 fn list(folder: &Path) -> Result<()> {
@@ -406,7 +390,7 @@ impl Check {
         let mut drawn = all.to_vec();
         drawn.sort_by_cached_key(|record| hash_of(&json!([record.id(), self.salt])));
         drawn.truncate((self.share / 100.0 * all.len() as f64).ceil() as usize);
-        let (mut left, mut beyond, mut differ) = (self.budget.unwrap_or(u64::MAX), 0, [0, 0]);
+        let (mut left, mut beyond, mut unmade, mut differ) = (self.budget.unwrap_or(u64::MAX), 0, 0, [0, 0]);
         let bar = progress::bar(drawn.len() as u64, "made again");
         for record in &drawn {
             let price = cost(record);
@@ -419,7 +403,11 @@ impl Check {
             let found = match made(record) {
                 Ok(None) => return Ok(differ[1]),
                 Ok(Some((again, id))) => difference(*record, &again).map(|found| (found, id == record.id())),
-                Err(why) => Some((format!("it is not made again: {why:#}"), false)),
+                Err(why) => {
+                    unmade += 1;
+                    bar.suspend(|| say(format_args!("{}: it is not made again: {why:#}", name())))?;
+                    None
+                }
             };
             if let Some((found, is_same)) = found {
                 differ[usize::from(is_same)] += 1;
@@ -429,11 +417,13 @@ impl Check {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let beyond = if beyond > 0 { format!(", {beyond} beyond the budget") } else { String::new() };
+        let some =
+            |count: u32, words: &str| if count > 0 { format!(", {count} {words}") } else { String::new() };
+        let left_out = some(beyond, "beyond the budget") + &some(unmade, "not made again");
         let (study, number, [earlier, same]) = (plan_of(rows), drawn.len(), differ);
         let all = counted(rows);
         say(format_args!(
-            "{study}: {all}, checksums right; {number} drawn{beyond}; of this code {same} differ, of earlier code {earlier}"
+            "{study}: {all}, checksums right; {number} drawn{left_out}; of this code {same} differ, of earlier code {earlier}"
         ))?;
         Ok(same)
     }
@@ -476,7 +466,7 @@ fn made_again(root: &Root, record: &Record) -> Result<Again<Record>> {
         run.problem_hash,
         problem.hash
     );
-    // Of others the solution changes no count.
+    // The solution changes no count of the others.
     let needs_truth = matches!(run.stop_on.0, Measure::VelocityError | Measure::Zeta)
         || run.status == Ending::FalseConvergence;
     let known = if needs_truth { problem.known(root)? } else { &Known::default() };

@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use crate::plan::{Method, Plan, key_value, refuse_repeated};
+use crate::plan::{Method, Plan, all_typed, key_value, refuse_repeated};
 use crate::problems::{CaseProblem, planned};
 use crate::root::{Root, is_toml};
 use crate::study::Selection;
@@ -205,10 +205,7 @@ impl SolverArgs {
 
     /// The method, or else this one; it stops as given here, unless an argument says otherwise.
     pub(crate) fn or(&self, (method, stop): (Method, Stop)) -> Result<(Method, Stop)> {
-        let method = match &self.method {
-            None if self.settings.is_empty() => method,
-            name => Method::parse(name.as_deref().unwrap_or(method.name), &self.settings)?,
-        };
+        let method = method.or_named(self.method.as_deref(), all_typed(&self.settings)?)?;
         Ok((method, self.stop.of(stop)?))
     }
 }

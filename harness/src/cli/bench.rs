@@ -4,7 +4,7 @@ use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
 use crate::plan::MOST_REPEATS;
 use crate::root::Root;
-use crate::run::{How, few};
+use crate::run::{How, few, from_one};
 use crate::store::{finish, open, runs_folder};
 use crate::study::{Kind, OnProblems, Selection, ThroughTime, by_id, left_s, missing, run_all};
 use crate::terminal::say;
@@ -24,7 +24,7 @@ pub(crate) struct Args {
     pub(crate) jobs: NonZeroUsize,
     /// Run everything N times, after one warm-up that does not count; seconds are medians [default: the plan's
     /// `repeats`, or 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = from_one::<NonZeroU32>)]
     pub(crate) repeats: Option<NonZeroU32>,
     /// Run everything again, finished runs too; the new rows replace the old ones in the tables
     #[arg(long)]

@@ -4,7 +4,7 @@ use crate::cli::args::StudyArgs;
 use crate::cli::keys::takes;
 use crate::cli::plan::runs;
 use crate::exchange::{Held, read};
-use crate::plan::{Entry, External, Plan, methods};
+use crate::plan::{Entry, External, Plan, methods, wrong};
 use crate::root::{Kind, Root, stem};
 use crate::terminal::{say, say_table};
 use anyhow::Result;
@@ -127,7 +127,7 @@ fn say_methods() -> Result<()> {
             say(format_args!("      {}", setting["description"].as_str().unwrap_or_default()))?;
         }
     }
-    Ok(())
+    wrong().try_for_each(|(name, error)| say(format_args!("{name:<16}not read: {error}")))
 }
 
 /// Prints whether another code is installed, and if not, the command that installs it.

@@ -3,7 +3,7 @@
 use crate::cli::args::StudyArgs;
 use crate::identity::provenance;
 use crate::root::Root;
-use crate::run::How;
+use crate::run::{How, from_one};
 use crate::store::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
 use crate::study::{Kind, OnProblems, Selection, missing, run_all};
 use crate::terminal::{exit, say, write_kept};
@@ -23,7 +23,7 @@ pub(crate) struct Args {
     #[arg(long)]
     quick: bool,
     /// Do N runs at a time [default: one per processor]; counts do not depend on it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = from_one::<NonZeroUsize>)]
     jobs: Option<NonZeroUsize>,
 }
 

@@ -7,7 +7,7 @@ use crate::cli::simulate::kept::Kept;
 use crate::plan::{Method, Rule};
 use crate::problems::{Once, read_case, warn};
 use crate::root::Root;
-use crate::run::{End, Seen, Until, Watch, missed, through_time};
+use crate::run::{End, Seen, Until, Watch, from_one, missed, through_time};
 use crate::terminal::{check_apart, exit, merged, prepare_new, say, write_sealed};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Case, Start};
@@ -48,7 +48,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     contacts: Option<PathBuf>,
     /// A frame, contacts and a state for every K-th time step [default: 1 of frames and contacts]
-    #[arg(long, value_name = "K", value_parser = every)]
+    #[arg(long, value_name = "K", value_parser = from_one::<NonZeroU64>)]
     every: Option<NonZeroU64>,
     /// Start each time step from r = 0, not from the impulses of the one before
     #[arg(long)]
@@ -63,10 +63,6 @@ pub(crate) struct Args {
     changes: CaseArgs,
     #[command(flatten)]
     solver: SolverArgs,
-}
-
-fn every(text: &str) -> Result<NonZeroU64, &'static str> {
-    text.parse().map_err(|_| "it is a whole number from 1")
 }
 
 /// Heading above the rows on the terminal.

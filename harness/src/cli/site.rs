@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::problems::{Problem, overrides, read_case};
 use crate::root::{Root, stem};
 use crate::run::scene_rows;
-use crate::store::{about, expected_failures, read_baseline, tables_of};
+use crate::store::{about, expected_failures, read_baseline, studies_in, tables_of};
 use crate::terminal::{exit, progress, read_text, say};
 use anyhow::{Context, Result, bail};
 use cases::AnyFrozen;
@@ -60,23 +60,14 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
 }
 
 /// Reads the studies of an archive, by name.
-pub(crate) fn archived(root: &Root, archive: &Path) -> Result<Vec<Archived>> {
-    let name = || archive.display().to_string();
-    let mut studies = Vec::new();
-    for entry in std::fs::read_dir(archive).with_context(name)? {
-        let folder = entry.with_context(name)?.path();
-        if folder.is_dir() {
-            let plan = Plan::read(&root.plan(&stem(&folder))?, false)?;
-            // The site has the tables of its reports alone.
-            let about = About { rows: String::new(), ..about(&plan, &plan.name) };
-            studies.push(Archived { about, rows: tables_of(&folder)?, charts: plan.charts() });
-        }
-    }
-    studies.sort_by(|a, b| a.about.name.cmp(&b.about.name));
-    if studies.is_empty() {
-        bail!("{}: the folder holds no study: `just archive PLAN` puts one there", name());
-    }
-    Ok(studies)
+fn archived(root: &Root, archive: &Path) -> Result<Vec<Archived>> {
+    let study = |folder: PathBuf| {
+        let plan = Plan::read(&root.plan(&stem(&folder))?, false)?;
+        // The site has the tables of its reports alone.
+        let about = About { rows: String::new(), ..about(&plan, &plan.name) };
+        Ok(Archived { about, rows: tables_of(&folder)?, charts: plan.charts() })
+    };
+    studies_in(archive)?.into_iter().map(study).collect()
 }
 
 /// Reads the problems of a collection with the rows of their pictures.

@@ -1,6 +1,6 @@
 //! A simulation that another program steers: time steps at its call, with what they show as lists of numbers.
 
-use super::{named_or_default, root, wrong_key};
+use super::{root, wrong_key};
 use crate::plan::{Method, Rule};
 use crate::problems::read_case;
 use crate::run::{End, Seen, Until, Watch, contact_forces, in_the_pool, missed, observed, through_time};
@@ -93,8 +93,8 @@ impl Simulation {
                 serde_path_to_error::deserialize(request).map_err(|error| wrong_key(&error))?;
             let case = read_case(&root.case(name)?, scene)?;
             let mut march = march(&case)?;
-            let method =
-                named_or_default(request.method.as_deref(), request.settings, case.scene.is_rough())?;
+            let default = Method::marching(case.scene.is_rough(), "none")?;
+            let method = default.or_named(request.method.as_deref(), request.settings)?;
             request.stop.check()?;
             march.check(method.ours()?)?;
             if let Some(file) = restart {

@@ -78,10 +78,8 @@ impl Entry {
     }
 }
 
-static EXTERNAL: OnceLock<Vec<&'static External>> = OnceLock::new();
-
-/// Descriptions of other codes that are wrong, each by its name, with its error.
-static WRONG: OnceLock<Vec<(String, String)>> = OnceLock::new();
+/// Other codes by their names, each with its description, or with what is wrong with that.
+static EXTERNAL: OnceLock<Vec<(String, Result<&'static External, String>)>> = OnceLock::new();
 
 /// Reads the other codes of the checkout, unless some were read: from now on they are methods as well. A wrong description is an error
 /// where its code is named.
@@ -89,30 +87,30 @@ pub(crate) fn read_external(root: &Root) -> Result<()> {
     if EXTERNAL.get().is_some() {
         return Ok(());
     }
-    let (mut entries, mut wrong) = (Vec::new(), Vec::new());
+    let mut entries = Vec::new();
     for path in root.all(Kind::External)? {
-        let external = match External::read(&path) {
-            Ok(external) => external,
-            Err(error) => {
-                wrong.push((stem(&path), format!("{error:#}")));
-                continue;
-            }
-        };
-        if METHODS.iter().any(|ours| ours.name == external.name) {
-            bail!("{}: `{}` is a method of ours", path.display(), external.name);
+        let name = stem(&path);
+        if METHODS.iter().any(|ours| ours.name == name) {
+            bail!("{}: `{name}` is a method of ours", path.display());
         }
         // Once in the life of the program, and for as long.
-        entries.push(&*Box::leak(Box::new(external)));
+        let external = External::read(&path).map(|external| &*Box::leak(Box::new(external)));
+        entries.push((name, external.map_err(|error| format!("{error:#}"))));
     }
     drop(EXTERNAL.set(entries));
-    drop(WRONG.set(wrong));
     Ok(())
 }
 
 /// Every method: ours, then other codes.
 pub(crate) fn methods() -> impl Iterator<Item = Entry> {
-    let others = EXTERNAL.get().into_iter().flatten();
+    let others = EXTERNAL.get().into_iter().flatten().filter_map(|(_, external)| external.as_ref().ok());
     METHODS.iter().map(Entry::Ours).chain(others.map(|external| Entry::File(external)))
+}
+
+/// Returns the other codes whose descriptions are wrong, each by its name, with the error.
+pub(crate) fn wrong() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let others = EXTERNAL.get().into_iter().flatten();
+    others.filter_map(|(name, external)| Some((&**name, &**external.as_ref().err()?)))
 }
 
 /// The method of this name, if there is one.
@@ -129,7 +127,7 @@ impl Method {
     /// The method `name` with `settings`; what they leave out has its default.
     pub(crate) fn new(name: &str, settings: Settings) -> Result<Self> {
         let Some(entry) = method(name) else {
-            if let Some((_, error)) = WRONG.get().into_iter().flatten().find(|(wrong, _)| wrong == name) {
+            if let Some((_, error)) = wrong().find(|(wrong, _)| *wrong == name) {
                 bail!("{error}");
             }
             bail!("{}", suggest::among(&format!("unknown method `{name}`"), name, method_names()));
@@ -183,8 +181,15 @@ impl Method {
 
     /// The method `name` with settings as they are typed: `relaxation=0.8`.
     pub(crate) fn parse(name: &str, settings: &[(String, String)]) -> Result<Self> {
-        refuse_repeated(settings)?;
-        Self::new(name, settings.iter().map(|(key, text)| (key.clone(), typed(text))).collect())
+        Self::new(name, all_typed(settings)?)
+    }
+
+    /// Returns the method of this name, or else `self`, whose own settings stay unless others are given.
+    pub(crate) fn or_named(self, name: Option<&str>, settings: Settings) -> Result<Self> {
+        match name {
+            None if settings.is_empty() => Ok(self),
+            name => Self::new(name.unwrap_or(self.name), settings),
+        }
     }
 
     /// The method with those of `changes`, as they are typed, that name a setting of it.
@@ -208,6 +213,12 @@ impl Method {
 /// A value as it is typed: a number or a boolean is one; anything else is text, which needs no quotes.
 fn typed(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
+}
+
+/// Reads settings as they are typed, each once.
+pub(crate) fn all_typed(settings: &[(String, String)]) -> Result<Settings> {
+    refuse_repeated(settings)?;
+    Ok(settings.iter().map(|(key, text)| (key.clone(), typed(text))).collect())
 }
 
 /// Refuses two settings of one key.

@@ -9,6 +9,7 @@ use results::schema::{Provenance, Timing};
 use runner::Measured;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::ScopedJoinHandle;
 
@@ -54,10 +55,15 @@ impl How<'_> {
     }
 }
 
+/// Reads a whole number from 1.
+pub(crate) fn from_one<N: FromStr>(text: &str) -> Result<N, String> {
+    text.parse().map_err(|_| "it is a whole number from 1".to_owned())
+}
+
 /// Reads a number of threads. To start more than a few hundred takes a system seconds, and brings nothing where there are
 /// fewer processors.
 pub(crate) fn few(text: &str) -> Result<NonZeroUsize, String> {
-    let number: NonZeroUsize = text.parse().map_err(|_| "it is a whole number from 1".to_owned())?;
+    let number: NonZeroUsize = from_one(text)?;
     let most = std::thread::available_parallelism().map_or(256, |processors| processors.get().max(256));
     if number.get() <= most { Ok(number) } else { Err(format!("it must be at most {most}")) }
 }

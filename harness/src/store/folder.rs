@@ -5,14 +5,15 @@ use crate::root::Root;
 use crate::run::Task;
 use crate::study::{Kind, Selection, by_id, missing};
 use crate::terminal::{exit, say};
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, anyhow, ensure};
 use reports::{About, Formats, Wanted, made};
 use results::error::StoreError;
 use results::journal::Entry;
 use results::schema::Provenance;
 use results::store::Store;
-use results::study::Study as Rows;
+use results::study::{Study as Rows, TABLES};
 use std::collections::{HashMap, HashSet};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -69,6 +70,23 @@ pub(crate) fn tables_of(folder: &Path) -> Result<Rows> {
         );
     }
     Ok(rows)
+}
+
+/// Returns the folders of tables below a folder, by name.
+pub(crate) fn studies_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let name = || folder.display().to_string();
+    let mut studies = Vec::new();
+    for entry in fs::read_dir(folder).with_context(name)? {
+        studies.extend(Some(entry.with_context(name)?.path()).filter(|path| has_tables(path)));
+    }
+    studies.sort();
+    ensure!(!studies.is_empty(), "{}: it holds no tables of a study", name());
+    Ok(studies)
+}
+
+/// Reports whether a folder has tables of a study.
+pub(crate) fn has_tables(folder: &Path) -> bool {
+    TABLES.iter().any(|table| folder.join(format!("{table}.parquet")).is_file())
 }
 
 /// Writes the tables of a study from its store, and its report if the user did not stop it.

@@ -29,28 +29,17 @@ fn opened(file: &Path, into: &Path) {
 /// A pack of the files of a folder.
 fn closed(folder: &Path) -> PathBuf {
     let file = folder.with_extension("tar");
-    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let names: Vec<String> = files.collect();
-    assert!(
-        Command::new("tar")
-            .args(["cf", text(&file), "-C", text(folder)])
-            .args(names)
-            .status()
-            .unwrap()
-            .success()
-    );
+    let pack = |names: &[String]| {
+        let tar = Command::new("tar").args(["cf", text(&file), "-C", text(folder)]).args(names).status();
+        assert!(tar.unwrap().success());
+    };
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    pack(&names.collect::<Vec<_>>());
     // As the program packs them, files alone.
     let listed = Command::new("tar").args(["tf", text(&file)]).output().unwrap();
     let listed = String::from_utf8(listed.stdout).unwrap();
-    let names = listed.lines().filter(|name| !name.ends_with('/'));
-    assert!(
-        Command::new("tar")
-            .args(["cf", text(&file), "-C", text(folder)])
-            .args(names)
-            .status()
-            .unwrap()
-            .success()
-    );
+    let names = listed.lines().filter(|name| !name.ends_with('/')).map(str::to_owned);
+    pack(&names.collect::<Vec<_>>());
     file
 }
 

@@ -120,7 +120,7 @@ fn used(browser: &str, page: &Path, width: u32, dark: bool) -> Value {
     seen(browser, (page, ""), width, dark, USE)
 }
 
-/// What a script found on a page, opened at a place in it.
+/// Findings of a script on a page, opened at a place in it.
 pub(crate) fn seen(
     browser: &str,
     (page, place): (&Path, &str),

@@ -225,7 +225,8 @@ fn figure(
         Some((least, most)) if least < most => format!("{least} to {most} packings"),
         counts => format!("{} packings", counts.map_or(0.0, |(least, _)| least)),
     };
-    let text = format!("Means over {packings} for each μ at the left, with intervals of 95 %.");
+    let apart = if looks.len() > 1 { "; methods stand a little apart to be seen" } else { "" };
+    let text = format!("Means over {packings} for each μ at the left, with intervals of 95 %{apart}.");
     let mut signs = vec![(Sign::Word, text)];
     if left_out > 0 {
         let text = format!("Left out, not completed or with a time step missed: {left_out}.");

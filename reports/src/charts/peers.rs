@@ -20,8 +20,10 @@ fn accuracy(runs: &[RunRow]) -> f64 {
 /// `peers`: a row for each run; and `peers-ratios`: the median ratio of each method.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
-    let rows: Vec<Row> = problems(runs).iter().flat_map(|problem| of_problem(runs, problem)).collect();
-    let there = there(&study.runs);
+    let accuracy = accuracy(runs);
+    let rows: Vec<Row> =
+        problems(runs).iter().flat_map(|problem| of_problem(runs, problem, accuracy)).collect();
+    let there = there(runs, accuracy);
     let note = format!(
         "\nEnding, velocity error, with friction that from the nearest solution that is known, and natural map: of the whole \
          run. Seconds: set-up and solver to {there}, by the code's own clock; process: the whole process of another code by \
@@ -37,10 +39,10 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
 }
 
 /// Names the accuracy that is enough, in the measure that the study is stopped on.
-fn there(runs: &[RunRow]) -> String {
+fn there(runs: &[RunRow], accuracy: f64) -> String {
     let on = runs.first().map(|run| run.stop_on.0).filter(|on| *on == Measure::VelocityError);
     let name = if on.is_some() { "a velocity error" } else { "a natural map" };
-    format!("{name} of {}", accuracy_text(accuracy(runs)))
+    format!("{name} of {}", accuracy_text(accuracy))
 }
 
 struct Row<'r> {
@@ -58,8 +60,7 @@ struct Reached {
     asked: Option<f64>,
 }
 
-fn of_problem<'r>(runs: &'r [RunRow], problem: &str) -> Vec<Row<'r>> {
-    let accuracy = accuracy(runs);
+fn of_problem<'r>(runs: &'r [RunRow], problem: &str, accuracy: f64) -> Vec<Row<'r>> {
     let reached = runs.iter().filter(|run| run.problem == problem).map(|run| (run, reached(run, accuracy)));
     let reached: Vec<(&RunRow, Option<Reached>)> = reached.collect();
     let least = span(reached.iter().filter_map(|(_, reached)| Some(reached.as_ref()?.seconds)));

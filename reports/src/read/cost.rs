@@ -34,10 +34,14 @@ impl Cost {
         (self.of)(run, &run.curve[results::reached(values, accuracy)?])
     }
 
-    /// Returns that cost with its interval, which has no width where it is counted.
+    /// Returns that cost with its interval, which has no width where it is counted, and no bound where it is timed fewer than five times.
     pub(crate) fn within(&self, run: &RunRow, measure: Measure, accuracy: f64) -> Option<Median> {
         let cost = self.to(run, measure, accuracy)?;
-        if self.is_timed { run.interval(cost) } else { Some(Median { low: cost, median: cost, high: cost }) }
+        if !self.is_timed {
+            return Some(Median { low: cost, median: cost, high: cost });
+        }
+        let few = run.timing.repeats < REPEATS;
+        if few { Some(Median { low: 0.0, median: cost, high: f64::INFINITY }) } else { run.interval(cost) }
     }
 
     /// The runs with the least cost to an accuracy of a measure: one, or those whose intervals overlap its own. None where seconds of one

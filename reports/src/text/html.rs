@@ -6,7 +6,7 @@ use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_htm
 pub(crate) fn html(text: &str, leads: &dyn Fn(&str) -> Option<String>) -> String {
     let events: Vec<Event> = Parser::new_ext(text, Options::ENABLE_TABLES).collect();
     let mut kept = Vec::new();
-    // Whether each open link leads somewhere.
+    // True for each open link that leads somewhere.
     let mut open = Vec::new();
     for (n, event) in events.iter().enumerate() {
         match event {

@@ -25,7 +25,7 @@ impl<M: Mechanics> Packing<M> {
         free_velocity: Vec<M::Velocity>,
         contacts: Vec<M::Contact>,
     ) -> Result<Self, ProblemError> {
-        // Of three lists the one that differs from the others is wrong.
+        // The list is wrong whose length differs from that of both others.
         if position.len() == free_velocity.len() {
             ProblemError::unless_length("grains.mass", &mass, position.len())?;
         }
