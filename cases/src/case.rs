@@ -193,22 +193,35 @@ impl Case {
     }
 }
 
-/// Sets the value at a dotted key, read as TOML if it is any, else as text.
+/// Sets the value at a dotted key, read as TOML if it is any, else as text. A part of the key that is a number is a place in a list,
+/// from 0.
 fn set(table: &mut toml::Table, key: &str, value: &str) -> Result<(), String> {
     let value = format!("value = {value}")
         .parse::<toml::Table>()
         .ok()
         .and_then(|mut table| table.remove("value"))
         .unwrap_or_else(|| toml::Value::String(value.to_owned()));
-    let (folders, last) = key.rsplit_once('.').unwrap_or(("", key));
-    let mut table = table;
-    for folder in folders.split('.').filter(|folder| !folder.is_empty()) {
-        table = table
-            .entry(folder)
-            .or_insert_with(|| toml::Table::new().into())
-            .as_table_mut()
-            .ok_or_else(|| format!("`{key}`: `{folder}` is a value, it has no keys"))?;
+    let mut all = toml::Value::Table(std::mem::take(table));
+    let mut here = Ok::<_, String>((&mut all, ""));
+    for part in key.split('.') {
+        here = here.and_then(|(here, name)| Ok((below(here, name, part)?, part)));
     }
-    table.insert(last.to_owned(), value);
-    Ok(())
+    let done = here.map(|(here, _)| *here = value).map_err(|message| format!("`{key}`: {message}"));
+    if let toml::Value::Table(all) = all {
+        *table = all;
+    }
+    done
+}
+
+/// Returns the `part` of a value of this name, a new table where there is none.
+fn below<'v>(here: &'v mut toml::Value, name: &str, part: &str) -> Result<&'v mut toml::Value, String> {
+    match here {
+        toml::Value::Table(table) => Ok(table.entry(part).or_insert_with(|| toml::Table::new().into())),
+        toml::Value::Array(list) => {
+            let count = list.len();
+            let at = part.parse::<usize>().ok().and_then(|place| list.get_mut(place));
+            at.ok_or_else(|| format!("`{name}` is a list of {count}, counted from 0: it has no `{part}`"))
+        }
+        _ => Err(format!("`{name}` is a value, it has no keys")),
+    }
 }

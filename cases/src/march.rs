@@ -5,7 +5,7 @@ mod begin;
 mod contacts;
 pub(crate) mod parts;
 mod start;
-mod state;
+pub(crate) mod state;
 mod view;
 
 use crate::bodies::joints::Joints;

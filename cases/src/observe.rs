@@ -3,11 +3,13 @@
 pub(crate) mod bulk;
 pub(crate) mod energy;
 pub(crate) mod homogenised;
+pub(crate) mod shape;
 pub(crate) mod stress;
 
 use crate::detect::Side;
 use bulk::Bulk;
 use energy::Energy;
+use shape::Shape;
 use stress::Stress;
 
 /// Observables of a simulation after a time step.
@@ -38,6 +40,8 @@ pub struct Observables {
     pub stress: Stress,
     /// Properties of the packing away from its walls and its surface.
     pub bulk: Bulk,
+    /// Shape of the packing, and what has left it.
+    pub shape: Shape,
 }
 
 /// Sums of the normal impulses `r` (N·s): of the floor with its bumps, or the drum, and all segments, then of each other wall.

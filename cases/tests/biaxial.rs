@@ -1,7 +1,5 @@
 //! The biaxial test: the force on its wall, and the friction angle.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, March};
 use contact::{Measure, RoughDiscs};
 use nsgs::Nsgs;

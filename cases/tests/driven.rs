@@ -1,11 +1,7 @@
 //! Segments that a table, a vibration or a force moves: known answers.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
+use crate::common::scene_of_discs;
 use cases::{Case, March, Marched, Observables};
-use common::scene_of_discs;
 use contact::{Discs, Measure, RoughDiscs, Solver};
 use nalgebra::Vector2;
 use nsgs::Nsgs;

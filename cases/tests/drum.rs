@@ -1,11 +1,7 @@
 //! A grain on a curved wall: its speed, its overlap and its energy; and the shipped scenes with a drum or segments over a long time.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
+use crate::common::scene_of_discs;
 use cases::{Case, Energy, March};
-use common::scene_of_discs;
 use contact::{Discs, Measure, RoughDiscs};
 use nsgs::Nsgs;
 use runner::Stop;

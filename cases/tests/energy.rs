@@ -1,7 +1,5 @@
 //! Where the energy of a march goes, against what mechanics says of it.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, Energy, March, Marched};
 use contact::{Discs, Measure, RoughDiscs};
 use nsgs::Nsgs;

@@ -1,8 +1,7 @@
 //! Heaps, drums and hoppers: what friction holds, what it lifts, and what it lets flow.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, Energy, March};
+use contact::acceleration::Acceleration;
 use contact::{Measure, RoughDiscs, RoughSpheres};
 use nalgebra::{Vector2, Vector3};
 use nsgs::Nsgs;
@@ -61,6 +60,7 @@ fn turned(friction: &str) -> (f64, Energy, f64) {
         let (_, seen) = drum.time_step(&Nsgs::default(), &STOP).unwrap();
         let centre = centre(&drum);
         angle = centre.x.atan2(-centre.y);
+        assert!((seen.shape.bed_angle - angle).abs() < 1e-12 && seen.shape.passed_mass.is_nan(), "{angle}");
         if k >= 600 {
             energy += seen.energy;
             lifted += 0.07 * weight * 0.5 * (before + centre.x) * 0.005;
@@ -128,9 +128,11 @@ fn below(march: &March<RoughSpheres>, height: f64) -> f64 {
 #[test]
 fn sphere_hopper_flows_at_the_rate_of_beverloo_whatever_the_height_above() {
     let mut hopper = spheres("sphere-hopper", &[]);
+    let accelerated = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
     let mut at = |time_step: u64| {
         while hopper.time_steps() < time_step {
-            hopper.time_step(&Nsgs::default(), &STOP).unwrap();
+            let (_, seen) = hopper.time_step(&accelerated, &STOP).unwrap();
+            assert!((seen.shape.passed_mass - below(&hopper, 1.2)).abs() < 1e-9, "{:?}", seen.shape);
         }
         // The bed from 2 to 6 diameters above the bottom.
         (below(&hopper, 1.2), (below(&hopper, 1.8) - below(&hopper, 1.4)) / (0.4 * 1.6 * 1.6))
@@ -160,6 +162,7 @@ fn sphere_drum(turns: &[f64]) -> Vec<f64> {
             let grains = drum.mass().iter().zip(drum.grains());
             let centre = grains.map(|(m, (_, x, _))| x * m.mass).sum::<Vector3<f64>>() / weights - axis;
             sum += centre.x.atan2(-centre.y).to_degrees();
+            assert!((seen.shape.bed_angle - centre.x.atan2(-centre.y)).abs() < 1e-9, "{:?}", seen.shape);
             count += 1;
             // What sinks by this much comes back; grains of 0.045 m and more that sank for ever would be deeper within a second.
             assert!(seen.greatest_overlap < 0.01 * 0.045, "{} m", seen.greatest_overlap);

@@ -1,11 +1,7 @@
 //! Discs on lines of segments, against the line as a whole; and segments that no disc passes.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
+use crate::common::scene_of_discs;
 use cases::{Case, CaseError, Explosion, March};
-use common::scene_of_discs;
 use contact::{Discs, Measure};
 use nalgebra::Vector2;
 use nsgs::Nsgs;

@@ -1,7 +1,5 @@
 //! What is known of the cases, against what they give.
 
-#![allow(clippy::unwrap_used)]
-
 use analysis::proves_infeasible;
 use cases::{Case, CaseError, Explosion, Frozen, March, Marched, Missed, Side, Start, detect};
 use cg::Cg;

@@ -1,7 +1,5 @@
 //! Every case of the folder `literature` can be run, and the page names each.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, March, Marched};
 use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Solver, Spheres};
 use nsgs::Nsgs;

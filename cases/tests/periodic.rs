@@ -1,7 +1,5 @@
 //! Periodic sides and a lid that a force presses, against what mechanics says of them.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, March, Marched, Observables};
 use contact::{Discs, Measure, RoughDiscs, Solver};
 use nalgebra::Vector2;

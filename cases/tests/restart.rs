@@ -1,8 +1,6 @@
 //! A march that resumes from the file of its state goes on bitwise as the one that did not stop.
 
-#![allow(clippy::unwrap_used)]
-
-use cases::{Case, CaseError, March, Marched, Start};
+use cases::{Case, CaseError, March, Marched, Start, grains_of_state};
 use contact::{Discs, RoughDiscs, RoughSpheres, Solver, Spheres};
 use nsgs::Nsgs;
 use runner::Stop;
@@ -124,4 +122,35 @@ fn state_of_something_else_or_a_damaged_one_is_refused_by_key_and_value() {
     says(&column, &["`format` is left out"]);
     write(&seal::sealed(&text).replacen("\"time_steps\":3", "\"time_steps\":4", 1));
     says(&column, &["damaged", "checksum"]);
+}
+
+/// A settled packing goes on with another friction, through the table of its grains.
+#[test]
+fn grains_of_a_state_begin_another_scene() {
+    let sheared = case("periodic-shear", &[("sample.grains", "60")]);
+    let mut march = March::<RoughDiscs>::new(&sheared).unwrap();
+    through(&mut march, 10, Start::Previous);
+    let folder = TempDir::new().unwrap();
+    let (state, table) = (folder.path().join("state.json"), folder.path().join("grains.csv"));
+    fs::write(&state, march.state(&sheared).unwrap()).unwrap();
+    fs::write(&table, grains_of_state(&state).unwrap()).unwrap();
+    let sample =
+        format!("{{ kind = \"placed\", file = {:?}, density_kg_per_m2 = 1.0 }}", table.to_str().unwrap());
+    let again = case("periodic-shear", &[("sample", &sample), ("scene.friction", "0.8")]);
+    let begun = March::<RoughDiscs>::new(&again).unwrap();
+    assert_eq!(begun.grain_count(), 60, "a lid is no grain");
+    for ((radius, place, velocity), (was_radius, was_place, was_velocity)) in
+        begun.grains().zip(march.grains()).take(60)
+    {
+        assert_eq!((radius, place, velocity), (was_radius, was_place, was_velocity));
+    }
+    for (k, (mass, was)) in begun.mass().iter().zip(march.mass()).take(60).enumerate() {
+        assert!(
+            (mass.mass / was.mass - 1.0).abs() < 1e-12 && begun.velocity()[k].z == march.velocity()[k].z,
+            "{k}"
+        );
+    }
+    fs::write(&state, "{}").unwrap();
+    let error = grains_of_state(&state).unwrap_err().to_string();
+    assert!(error.contains("state.json") && error.contains("`format`"), "{error}");
 }

@@ -1,11 +1,7 @@
 //! Discs on segments: known answers.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
+use crate::common::scene_of_discs;
 use cases::{Case, March, Observables};
-use common::scene_of_discs;
 use contact::{Discs, Measure};
 use nalgebra::Vector2;
 use nsgs::Nsgs;
@@ -192,4 +188,24 @@ fn what_is_rarely_meant_is_warned_of_by_its_key() {
         assert!(warnings.len() == 1 && warnings[0].contains(said), "{key}: {warnings:?}");
     }
     assert_eq!(warned(&[("scene.friction", "2"), ("scene.slope_rad", "1.5")]), Vec::<String>::new());
+}
+
+/// A part of a key that is a number is a place in a list.
+#[test]
+fn one_of_several_segments_is_changed_by_its_place() {
+    let read = |key: &str, value: &str| {
+        let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("literature/to-2001.toml");
+        Case::read(&file, &[(key.to_owned(), value.to_owned())])
+    };
+    let case = read("scene.segments.2.removed_at_s", "7.5").unwrap();
+    let removed: Vec<_> = case.scene.segments.iter().map(|segment| segment.removed_at_s).collect();
+    assert_eq!(removed, [None, None, Some(7.5)]);
+    for (key, words) in [
+        ("scene.segments.3.removed_at_s", "`segments` is a list of 3, counted from 0: it has no `3`"),
+        ("scene.segments.last.removed_at_s", "it has no `last`"),
+        ("scene.friction.here", "`friction` is a value, it has no keys"),
+    ] {
+        let error = read(key, "1.0").unwrap_err().to_string();
+        assert!(error.contains(words) && error.contains(key), "{error}");
+    }
 }

@@ -1,7 +1,5 @@
 //! Chutes and piles of spheres: what rolls, what bumps hold, and what goes through a periodic side.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, March};
 use contact::{Measure, RoughSpheres};
 use nalgebra::Vector3;

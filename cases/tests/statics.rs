@@ -1,7 +1,5 @@
 //! Scenes that stand by static friction, on both sides of their exact boundaries.
 
-#![allow(clippy::unwrap_used)]
-
 use cases::{Case, March, Marched};
 use contact::{Measure, RoughDiscs, RoughSpheres};
 use nsgs::Nsgs;

@@ -1,11 +1,7 @@
 //! Polygons, rods and hollow cylinders among spheres, and what turns: known answers.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
+use crate::common::{scene_of_discs, scene_of_spheres};
 use cases::{Case, March, Marched, Observables};
-use common::{scene_of_discs, scene_of_spheres};
 use contact::{Discs, Measure, RoughDiscs, RoughSpheres, Solver, Spheres};
 use nalgebra::{Vector2, Vector3};
 use nsgs::Nsgs;

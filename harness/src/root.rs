@@ -187,7 +187,13 @@ impl Root {
         let collection = self.join("cases/collection");
         let collected =
             || wanted.contains(&Kind::Frozen).then(|| self.collected(&collection, name)).flatten();
-        let named = named.cloned().or_else(collected);
+        // Of a case in a folder, such as `literature/to-2001`.
+        let below = || {
+            let path = self.join("cases").join(name).with_extension("toml");
+            let is_name = name.contains('/') && !Path::new(name).exists() && wanted.contains(&Kind::Case);
+            (is_name && path.is_file()).then_some(path)
+        };
+        let named = named.cloned().or_else(collected).or_else(below);
         if named.is_none() && is_id(name) && !Path::new(name).exists() {
             bail!(
                 "no problem `{name}` here: `gravel collection show {name}` says whether it is known, and what makes it"

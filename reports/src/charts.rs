@@ -19,6 +19,7 @@ mod predicted;
 pub(crate) mod profiles;
 mod quantities;
 mod ranks;
+mod reached;
 mod relaxation;
 pub(crate) mod sample;
 mod sound;
@@ -117,6 +118,12 @@ const CHARTS: &[Chart] = &[
         makes: "`winners-<case>`, `winners-counts`, `winners`",
         shows: "the fastest method of each kind of problem, number of grains and accuracy, over its samples; ties share a field",
         parts: Parts::Problems(winners::parts),
+    },
+    Chart {
+        name: "reached",
+        makes: "`reached-<case>`, `reached`",
+        shows: "which methods come to which accuracy on each kind of problem, whatever the time; their counted work",
+        parts: Parts::Problems(reached::parts),
     },
     Chart {
         name: "norms",

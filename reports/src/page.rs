@@ -35,6 +35,8 @@ pub struct About {
     pub bench: String,
     /// Location of the tables of its rows, relative to its page.
     pub rows: String,
+    /// The text that discusses it, by its path in the checkout, if there is one.
+    pub text: Option<String>,
     /// The arguments of `gravel report` and `gravel figure` that draw it, where they can.
     pub draw: Option<String>,
 }
@@ -105,7 +107,7 @@ pub(crate) fn page(
         "page.html",
         &viewer,
         context! {
-            about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows },
+            about => context! { name => &about.name, why => &about.why, bench => &about.bench, rows => &about.rows, text => &about.text },
             through_time => matches!(study, Study::Simulations(_)),
             answer => answer(study),
             of_viewer,

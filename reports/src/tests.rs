@@ -68,6 +68,7 @@ pub(crate) fn about() -> About {
         why: "What <it> asks.".into(),
         bench: again.clone(),
         rows,
+        text: None,
         draw: Some(again),
     }
 }

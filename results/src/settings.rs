@@ -10,5 +10,7 @@ pub const TIME_STEP: &str = "time_step";
 pub const MOMENT: &str = "moment";
 /// Method of the time steps before, if the plan names it.
 pub const MARCH: &str = "march";
+/// Status of a problem of the collection: what is known of its solutions.
+pub const KNOWN: &str = "known";
 /// Number of the time steps before whose solve did not converge.
 pub const MISSED_BEFORE: &str = "missed_before";

@@ -1,6 +1,6 @@
 //! Simulations: a row for each, and the series of what it showed of itself.
 
-pub use cases::{Bulk, Energy, Stress};
+pub use cases::{Bulk, Energy, Shape, Stress};
 use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -228,6 +228,9 @@ pub struct Observed {
     /// Properties away from walls and surface, likewise; NaN where one is not defined in one of the time steps.
     #[serde(flatten)]
     pub bulk: Bulk,
+    /// Shape of the packing, and what has left it.
+    #[serde(flatten)]
+    pub shape: Shape,
 }
 
 fn unknown() -> f64 {

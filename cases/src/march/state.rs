@@ -7,11 +7,13 @@ use crate::error::{CaseError, Missed};
 use crate::file::json::{broken, of_json, read_text};
 use crate::problem::marched::{Listed, Marched};
 use crate::sample::Sample;
+use crate::sample::placed::{DENSITY, MOTION};
 use crate::scene::Scene;
 use contact::{Mechanics, Vector, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// State after a time step. Units are SI.
@@ -128,6 +130,57 @@ struct Head {
     mechanics: Option<String>,
 }
 
+/// Reads the text of a file, without its seal.
+fn opened(path: &Path) -> Result<String, CaseError> {
+    let text = read_text(path)?;
+    let opened = seal::opened(text.as_bytes()).map_err(|damaged| CaseError::content(path, damaged))?;
+    let text = opened.and_then(|text| String::from_utf8(text).ok()).unwrap_or(text);
+    broken(&text).map_or(Ok(text), |message| Err(CaseError::content(path, message)))
+}
+
+/// A state of any mechanics, as far as its grains go.
+#[derive(Deserialize)]
+struct Grains {
+    format: String,
+    scene: Scene,
+    bodies: Bodies<Vec<f64>, Vec<f64>>,
+}
+
+/// Returns the grains of the file of a state as a table in CSV, which a sample `placed` or `placed-spheres` reads: places, radii,
+/// densities, velocities and spins. A lid and driven segments are none.
+///
+/// # Errors
+/// Names the file, and what it is not.
+pub fn grains_of_state(path: &Path) -> Result<String, CaseError> {
+    let wrong = |message: String| CaseError::content(path, message);
+    let text = opened(path)?;
+    let Grains { format, scene, bodies } =
+        serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    let Bodies { radius, mass, position, velocity } = bodies;
+    if format != FORMAT {
+        return Err(wrong(format!("`format` is {format}: that of a state is {FORMAT}")));
+    }
+    if [mass.len(), position.len(), velocity.len()].iter().any(|count| *count != radius.len()) {
+        return Err(wrong("the lists of `bodies` differ in length".to_owned()));
+    }
+    let dimensions = position.first().map_or(0, Vec::len);
+    let in_space = usize::from(dimensions > 2);
+    let mut heads = ["x_m", "y_m", "z_m"][..dimensions].to_vec();
+    heads.extend(["radius_m", DENSITY[in_space]]);
+    // Velocities, and spins where there is friction.
+    let moving = velocity.first().map_or(0, Vec::len);
+    heads.extend(MOTION[in_space].into_iter().flatten().take(moving));
+    let mut table = heads.join(",") + "\n";
+    for k in 0..radius.len().saturating_sub(scene.body_count()) {
+        let volume = PI * if dimensions > 2 { 4.0 / 3.0 * radius[k].powi(3) } else { radius[k] * radius[k] };
+        let own = [radius[k], mass[k] / volume];
+        let values: Vec<String> =
+            position[k].iter().chain(&own).chain(&velocity[k]).map(f64::to_string).collect();
+        table += &(values.join(",") + "\n");
+    }
+    Ok(table)
+}
+
 /// Returns the first value in which two texts of JSON differ, by its key, in the first and in the second.
 fn difference(key: &str, there: &Value, here: &Value) -> Option<(String, String, String)> {
     if there == here {
@@ -192,12 +245,7 @@ impl<M: Marched> March<M> {
     /// Names the file, and the key and the value by which it is of another format, mechanics or case, or damaged.
     pub fn resume(&mut self, case: &Case, path: &Path) -> Result<(), CaseError> {
         let wrong = |message: String| CaseError::content(path, message);
-        let text = read_text(path)?;
-        let opened = seal::opened(text.as_bytes()).map_err(|damaged| CaseError::content(path, damaged))?;
-        let text = opened.and_then(|text| String::from_utf8(text).ok()).unwrap_or(text);
-        if let Some(message) = broken(&text) {
-            return Err(wrong(message));
-        }
+        let text = opened(path)?;
         let head: Head = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         for (key, found, expected) in
             [("format", head.format, FORMAT), ("mechanics", head.mechanics, M::NAME)]

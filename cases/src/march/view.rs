@@ -7,6 +7,7 @@ use crate::detect::extent::reach;
 use crate::detect::{OVERLAP, Side};
 use crate::observe::bulk::Bulk;
 use crate::observe::energy::Energy;
+use crate::observe::shape::Shape;
 use crate::observe::stress::Stress;
 use crate::observe::{Observables, wall_impulses};
 use crate::problem::marched::{Marched, translation};
@@ -105,8 +106,8 @@ impl<M: Marched> March<M> {
     pub(super) fn observe(&self, time_step: &TimeStep<M>, r: &[f64], energy: Energy) -> Observables {
         let kinetic = self.mass.iter().zip(&self.velocity).map(|(m, v)| 0.5 * m.squared(*v));
         let grains = self.grain_count();
-        let mass = || self.mass[..grains].iter().map(|mass| M::weight(*mass));
-        let moment = mass().zip(&self.position).map(|(m, q)| m * q[1]);
+        let mass: Vec<f64> = self.mass[..grains].iter().map(|mass| M::weight(*mass)).collect();
+        let moment = mass.iter().zip(&self.position).map(|(m, q)| m * q[1]);
         let height = PlacedLid::of(&self.scene, time_step.frozen.problem.position(), &self.radius);
         let height = height.map(|lid| lid.foot[1]);
         let area = self.scene.period().0.zip(height).map(|(width, height)| width * height);
@@ -115,7 +116,7 @@ impl<M: Marched> March<M> {
         Observables {
             time,
             kinetic_energy: kinetic.sum(),
-            mean_height: moment.sum::<f64>() / mass().sum::<f64>(),
+            mean_height: moment.sum::<f64>() / mass.iter().sum::<f64>(),
             greatest_overlap: overlaps().fold(0.0, f64::max),
             mean_overlap: overlaps().sum::<f64>() / grains as f64,
             wall_impulses: wall_impulses(&time_step.sides, &r.iter().step_by(M::Impulse::LEN).copied()),
@@ -123,6 +124,7 @@ impl<M: Marched> March<M> {
             energy,
             stress: Stress::of(time_step, &self.scene, (grains, area), r),
             bulk: Bulk::of(time_step, &self.scene, (grains, time), r),
+            shape: Shape::of(time_step, (&self.scene, time), (&mass, &self.position, &self.radius), r),
             greatest_displacement: self.greatest_displacement(),
             greatest_speed: greatest(self.velocity[..grains].iter().map(|v| translation::<M>(*v).length())),
         }

@@ -267,6 +267,7 @@ impl<M: Marched> Frozen<M> {
         let contacts = (0..contacts).map(contact).collect();
         let masses = mass.iter().zip(&inertia).map(|(mass, inertia)| M::Mass::of(*mass, *inertia));
         let problem = Packing::new(masses.collect(), vectors(position), vectors(free_velocity), contacts)?;
+        check_normals(&problem, &radius, &gap)?;
         let start: Vec<M::Impulse> = vectors(start);
         let admits = |(r, contact): (&M::Impulse, &M::Contact)| r.is_finite() && contact.is_admissible(*r);
         if let Some(index) = start.iter().zip(problem.contacts()).position(|at| !admits(at)) {
@@ -324,6 +325,32 @@ fn vectors<V: Listed>(lists: Vec<V::List>) -> Vec<V> {
 fn lists<V: Listed>(vectors: &[V]) -> Vec<V::List> {
     vectors.iter().map(|vector| vector.list()).collect()
 }
+
+/// Checks that no normal points away from its candidate, where the places of two grains agree with their radii and the gap: they need
+/// not, as where the other grain is an image across a period.
+fn check_normals<M: Marched>(problem: &Packing<M>, radius: &[f64], gap: &[f64]) -> Result<(), ProblemError> {
+    for (index, (contact, gap)) in problem.contacts().iter().zip(gap).enumerate() {
+        let (candidate, Some(antagonist)) = contact.ends() else { continue };
+        let [i, j] = [candidate, antagonist].map(|grain| grain as usize);
+        let (apart, normal) = (problem.position()[i] - problem.position()[j], contact.normal());
+        let agree =
+            (apart.length() - radius[i] - radius[j] - gap).abs() <= ROUNDED * radius[i].min(radius[j]);
+        if agree && normal.dot_product(apart) < 0.0 {
+            let expected =
+                format!("the other way, from the antagonist, grain {j}, to the candidate, grain {i}");
+            return Err(ProblemError::Value {
+                key: "contacts.normal",
+                index,
+                value: normal.text(),
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Greatest error of a distance that was written with two digits, over a radius.
+const ROUNDED: f64 = 0.05;
 
 /// Checks that each tangent is [−`n_y`, `n_x`].
 fn check_tangents<P: Place>(tangent: &[P], normal: &[P]) -> Result<(), ProblemError> {

@@ -21,8 +21,8 @@ pub(crate) struct Placed {
 }
 
 /// Names of the columns of densities, and of velocities and spins, of discs and of spheres; all may be left out.
-const DENSITY: [&str; 2] = ["density_kg_per_m2", "density_kg_per_m3"];
-const MOTION: [[Option<&str>; 6]; 2] = [
+pub(crate) const DENSITY: [&str; 2] = ["density_kg_per_m2", "density_kg_per_m3"];
+pub(crate) const MOTION: [[Option<&str>; 6]; 2] = [
     [Some("velocity_x_m_per_s"), Some("velocity_y_m_per_s"), None, None, None, Some("spin_rad_per_s")],
     [
         Some("velocity_x_m_per_s"),

@@ -1,5 +1,6 @@
 //! Arguments that several commands share.
 
+use crate::collection::Collection;
 use crate::plan::{Method, Plan, all_typed, key_value, refuse_repeated};
 use crate::problems::{CaseProblem, planned};
 use crate::root::{Root, is_toml};
@@ -67,7 +68,7 @@ pub(crate) struct SolverArgs {
 /// A stop rule on the command line.
 #[derive(Default, clap::Args)]
 pub(crate) struct StopArgs {
-    /// A run has converged when the measure is at most this [default: as the plan or the stored run has it, else 1e-6]
+    /// A run has converged when the measure is at most this; with 0 it makes all its iterations, or ends as it stalls [default: as the plan or the stored run has it, else 1e-6]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = real)]
     tolerance: Option<f64>,
     /// The measure that decides: zeta, natural_map, penetration_rate, quad_dv, max_dv or velocity_error [default: as the
@@ -128,7 +129,11 @@ impl StudyArgs {
         let mut plan = Plan::read(&path, self.plan.quick)?;
         let changes = self.change_stop(&mut plan)?;
         let in_plan = || path.display().to_string();
-        let problems = planned(root, &plan).with_context(in_plan)?;
+        let collected = match &plan.collected[..] {
+            [] => Vec::new(),
+            patterns => Collection::of(root, None, false)?.matching(patterns).with_context(in_plan)?,
+        };
+        let problems = planned(root, &plan, collected).with_context(in_plan)?;
         let variants = plan.variants(&self.settings).with_context(in_plan)?;
         let (again, notes, only) = (self.again(), Vec::new(), Vec::new());
         let mut selection = Selection { again, plan, problems, variants, notes, only };

@@ -1,19 +1,21 @@
-//! `gravel convert`: contact problems from and to the files of other codes.
+//! `gravel convert`: contact problems from and to the files of other codes, and grains of a state for another scene.
 
 use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, converted, is_foreign, read};
 use crate::root::{Root, is_toml};
 use crate::terminal::{check_apart, prepare_place, read_text, write_instead};
 use anyhow::Result;
+use cases::grains_of_state;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A frozen problem or a case: its name, or the path of its file; or a file of another code, FCLIB (.hdf5) or Siconos (.dat)
+    /// A frozen problem or a case: its name, or the path of its file; or a file of another code, FCLIB (.hdf5) or Siconos (.dat); or
+    /// a state that `simulate --state` wrote
     #[arg(value_name = "PROBLEM-OR-CASE")]
     from: String,
     /// The file to write: .hdf5 for FCLIB, which other codes read; .json for a problem file, from an FCLIB file that this program
-    /// wrote
+    /// wrote; .csv for the grains of a state, which a sample `placed` or `placed-spheres` reads
     #[arg(value_name = "FILE")]
     to: PathBuf,
     #[command(flatten)]
@@ -22,6 +24,12 @@ pub(crate) struct Args {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     prepare_place(&args.to)?;
+    if args.to.extension().is_some_and(|ending| ending == "csv") {
+        let state = Path::new(&args.from);
+        args.scene.refused(&format!("{} is asked as a state", state.display()))?;
+        check_apart(&[("the state", state), ("FILE", args.to.as_path())])?;
+        return write_instead(&args.to, grains_of_state(state)?.into_bytes());
+    }
     let (from, held) = held(root, args)?;
     check_apart(&[("the problem", from.as_path()), ("FILE", args.to.as_path())])?;
     let bytes = converted(&from, held, &args.to)?;

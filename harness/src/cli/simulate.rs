@@ -15,7 +15,7 @@ use lineup::march;
 use results::simulation::Totals;
 use serde_json::json;
 use std::num::NonZeroU64;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
@@ -121,7 +121,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     kept.end(&*march, matches!(end, End::Exploded { .. }))?;
     let last_state = match &end {
         End::Refused(why) => bail!("method `{}`, {why}", method.name),
-        End::Exploded { last, .. } => Some(last_state(last, args)),
+        End::Exploded { last, .. } => last_state(last, args),
         End::Completed | End::Interrupted(_) => None,
     };
     let missed = missed(&totals, &stop);
@@ -157,18 +157,19 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     Ok(exit::code(if is_unmet { exit::UNMET } else { worst }))
 }
 
-/// Writes the problem of the last good state beside what else is written.
-fn last_state(last: &AnyFrozen, args: &Args) -> Result<PathBuf> {
-    let folder = args.output.as_deref().and_then(Path::parent).or(args.vtk.as_deref());
-    let file = folder.unwrap_or(Path::new("")).join(format!("{}.json", last.name()));
+/// Writes the problem of the last good state beside what else is written, if anything is.
+fn last_state(last: &AnyFrozen, args: &Args) -> Option<Result<PathBuf>> {
+    let files = [&args.output, &args.state, &args.contacts].into_iter().flatten();
+    let folder = args.vtk.as_deref().or_else(|| files.filter_map(|file| file.parent()).next())?;
+    let file = folder.join(format!("{}.json", last.name()));
     let write = || -> Result<()> {
         if file.exists() {
             bail!("{} exists", file.display());
         }
         write_sealed(&file, &last.to_json()?)
     };
-    write().context("the problem of its last good state was not written")?;
-    Ok(file)
+    let written = write().context("the problem of its last good state was not written");
+    Some(written.map(|()| file))
 }
 
 /// Returns advice on a method or a setting for time steps that did not converge; empty if there is none.
@@ -200,6 +201,9 @@ fn say_ending(
     let kept = match last_state {
         Some(Ok(file)) => format!("the problem of its last good state is {}", file.display()),
         Some(Err(error)) => format!("{error:#}"),
+        None if matches!(end, End::Exploded { .. }) => {
+            "with `--output`, `--state` or `--vtk` the problem of its last good state is kept".to_owned()
+        }
         None => "what was reached before is kept".to_owned(),
     };
     eprintln!("error: {case}: {}; {kept}", end.reason());

@@ -64,7 +64,7 @@ fn archived(root: &Root, archive: &Path) -> Result<Vec<Archived>> {
     let study = |folder: PathBuf| {
         let plan = Plan::read(&root.plan(&stem(&folder))?, false)?;
         // The site has the tables of its reports alone.
-        let about = About { rows: String::new(), ..about(&plan, &plan.name) };
+        let about = About { rows: String::new(), text: None, ..about(&plan, &plan.name) };
         Ok(Archived { about, rows: tables_of(&folder)?, charts: plan.charts() })
     };
     studies_in(archive)?.into_iter().map(study).collect()

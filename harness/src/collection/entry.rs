@@ -9,9 +9,11 @@ use anyhow::{Context, Result, anyhow};
 use cases::{all_missing, of_toml};
 use clap::ValueEnum;
 use lineup::Posed;
+use results::settings::{CASE, KNOWN, MOMENT, TIME_STEP};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -111,6 +113,22 @@ pub(crate) struct Made {
     /// Values that replace those of the case.
     #[serde(default)]
     pub(crate) scene: Settings,
+}
+
+impl Entry {
+    /// Returns the settings of a study that has its problem: what made it, and what is known of its solutions.
+    pub(crate) fn settings(&self) -> Settings {
+        let mut settings = self.made.as_ref().map_or_else(Settings::new, |made| made.scene.clone());
+        if let Some(made) = &self.made {
+            settings.insert(CASE.to_owned(), json!(made.case));
+            settings.insert(TIME_STEP.to_owned(), json!(made.time_step));
+        }
+        if self.state != State::Other {
+            settings.insert(MOMENT.to_owned(), json!(self.state.name()));
+        }
+        settings.insert(KNOWN.to_owned(), json!(self.known.status.name()));
+        settings
+    }
 }
 
 impl Made {

@@ -2,6 +2,7 @@
 
 use super::answers::Answers;
 use super::entry::{Entry, of_file};
+use crate::plan::Settings;
 use crate::problems::{Known, Problem};
 use crate::root::{Root, is_id, stem};
 use crate::terminal::{read_sealed, write_kept, write_sealed};
@@ -10,6 +11,7 @@ use cases::AnyFrozen;
 use lineup::Posed;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use wildmatch::WildMatch;
 
 /// A collection of problems, as a folder.
 pub(crate) struct Collection<'r> {
@@ -58,6 +60,29 @@ impl<'r> Collection<'r> {
     /// Reads all entries, in the order of their ids.
     pub(crate) fn entries(&self) -> Result<Vec<Entry>> {
         self.names("entries")?.iter().map(|id| self.entry(id)).collect()
+    }
+
+    /// Returns the ids of the stored problems with a name that one of the `patterns` matches, in the order of their names, each with what
+    /// made it.
+    ///
+    /// # Errors
+    /// Names a pattern that matches none.
+    pub(crate) fn matching(&self, patterns: &[String]) -> Result<Vec<(String, Settings)>> {
+        if patterns.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut entries = self.entries()?;
+        entries.retain(|entry| self.place(entry).is_some());
+        for pattern in patterns {
+            let matches = WildMatch::new(pattern);
+            ensure!(
+                entries.iter().any(|entry| matches.matches(&entry.name)),
+                "`collected`: no stored problem of the collection matches `{pattern}`: `gravel collection list` shows their names"
+            );
+        }
+        entries.retain(|entry| patterns.iter().any(|pattern| WildMatch::new(pattern).matches(&entry.name)));
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(entries.into_iter().map(|entry| (entry.id.clone(), entry.settings())).collect())
     }
 
     /// Reads an entry.

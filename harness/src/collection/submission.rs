@@ -167,6 +167,15 @@ impl Submission {
             }
         };
         let natural_map = verified.natural_map;
+        let nothing = vec![0.0; wanted];
+        let of_nothing = match posed {
+            Posed::Grains(problem) => problem.measures(&[], &nothing).natural_map,
+            Posed::W(problem) => problem.natural_map(&nothing),
+        };
+        ensure!(
+            natural_map < of_nothing || natural_map == 0.0,
+            "`impulse`: its natural map is {natural_map:e}, and that of no impulses {of_nothing:e}: it is no answer"
+        );
         ensure!(
             natural_map.is_finite(),
             "`impulse`: its natural map is {natural_map}: the impulses are beyond all measure"

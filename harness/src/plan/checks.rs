@@ -16,7 +16,7 @@ impl Plan {
     pub(crate) fn check(&self) -> Result<()> {
         check_name(&self.name).map_err(Error::msg)?;
         self.check_size()?;
-        if self.problems.is_empty() && self.cases.is_empty() {
+        if self.problems.is_empty() && self.collected.is_empty() && self.cases.is_empty() {
             bail!("`problems` is empty, and there are no `cases`");
         }
         if self.stop.on == Measure::VelocityError && !self.reference {
@@ -79,7 +79,7 @@ impl Plan {
             }
             return Ok(());
         }
-        if !self.problems.is_empty() {
+        if !self.problems.is_empty() || !self.collected.is_empty() {
             bail!("`problems`: a frozen problem has no time; a plan with `simulate` has `cases` only");
         }
         if let Some(case) = self.cases.iter().find(|case| case.time_step.is_some()) {

@@ -22,9 +22,14 @@ pub(crate) struct Plan {
     pub(crate) name: String,
     /// Question of the study, in a sentence.
     pub(crate) why: String,
+    /// The text that discusses the study, by its path in the checkout, such as `"reports/giens2009.md"`.
+    pub(crate) text: Option<String>,
     /// Names of frozen problems.
     #[serde(default)]
     pub(crate) problems: Vec<String>,
+    /// Names of stored problems of the collection, in which `*` stands for any text, such as `"rough-shear-box grains=250*"`.
+    #[serde(default)]
+    pub(crate) collected: Vec<String>,
     /// Cases whose problems are computed for the study.
     #[serde(default)]
     pub(crate) cases: Vec<PlannedCase>,

@@ -29,8 +29,8 @@ pub(crate) struct Simulate {
     /// Keys whose values are combined.
     #[serde(default)]
     axes: Settings,
-    /// Simulation with which the others of a scene are compared.
-    pub(crate) reference: Reference,
+    /// Simulation with which the others of a scene are compared, if they are.
+    pub(crate) reference: Option<Reference>,
 }
 
 /// A simulation of each scene that the others are compared with.
@@ -108,18 +108,18 @@ impl Simulate {
         }
     }
 
-    /// The method of the references and their rule; that of their twins has ten times its tolerance.
-    pub(crate) fn reference(&self, stop: &Stop) -> Result<(Variant, Rule)> {
-        let Reference { method, set, tolerance, .. } = &self.reference;
+    /// The method of the references and their rule, if there are any; that of their twins has ten times its tolerance.
+    pub(crate) fn reference(&self, stop: &Stop) -> Result<Option<(Variant, Rule)>> {
+        let Some(Reference { method, set, tolerance, .. }) = &self.reference else { return Ok(None) };
         let method = Method::new(method, set.clone()).context("`simulate.reference`")?;
         method.ours().context("`simulate.reference`")?;
         let stop = Stop { on: Measure::NaturalMap, tolerance: *tolerance, ..*stop };
         stop.check().context("`simulate.reference`")?;
         let name = "reference".to_owned();
-        Ok((
+        Ok(Some((
             Variant { method, warm_start: true, name, problems: Vec::new() },
             Rule { stop, warm_start: Start::Previous },
-        ))
+        )))
     }
 }
 

@@ -110,26 +110,19 @@ impl Problem {
     }
 }
 
-/// The problems of a plan in its order, frozen ones first.
-pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
+/// The problems of a plan in its order, frozen ones first, then those `collected`, by their ids, with what made them.
+pub(crate) fn planned(
+    root: &Root,
+    plan: &Plan,
+    collected: Vec<(String, Settings)>,
+) -> Result<Vec<PlannedProblem>> {
+    let named = plan.problems.iter().map(|name| (name.clone(), Settings::new()));
     let mut problems = Vec::new();
-    for name in &plan.problems {
-        let path = frozen_path(root, name).context("`problems`")?;
-        let frozen = match held(&path).context("`problems`")? {
-            Held::Ours(text) => Box::new(AnyFrozen::of_text(&path, &text)?),
-            Held::Local(problem) => {
-                let source = Source::Local(Box::new(problem));
-                let (name, settings) = (stem(&path), Settings::new());
-                problems.push(PlannedProblem { name, settings, source, reference: plan.reference });
-                continue;
-            }
-        };
-        let beside = path.with_extension("solution.json");
-        let read = || Given::read(&beside, &lineup::problem((*frozen).clone()).facts());
-        let given = beside.is_file().then(read).transpose()?;
-        let (name, settings) = (frozen.name().to_owned(), Settings::new());
-        let source = Source::Frozen(frozen, given);
-        problems.push(PlannedProblem { name, settings, source, reference: plan.reference });
+    for (key, named) in [("problems", named.collect()), ("collected", collected)] {
+        for (name, settings) in named {
+            let frozen = frozen(root, &name, settings, plan.reference);
+            problems.push(frozen.with_context(|| format!("`{key}`"))?);
+        }
     }
     for planned in &plan.cases {
         let of_case = of_case(root, plan, planned);
@@ -141,6 +134,22 @@ pub(crate) fn planned(root: &Root, plan: &Plan) -> Result<Vec<PlannedProblem>> {
         bail!("two problems have the name `{}`: vary them as axes of one case", twice.name);
     }
     Ok(problems)
+}
+
+/// The problem of a file.
+fn frozen(root: &Root, name: &str, settings: Settings, reference: bool) -> Result<PlannedProblem> {
+    let path = frozen_path(root, name)?;
+    let (name, source) = match held(&path)? {
+        Held::Ours(text) => {
+            let frozen = Box::new(AnyFrozen::of_text(&path, &text)?);
+            let beside = path.with_extension("solution.json");
+            let read = || Given::read(&beside, &lineup::problem((*frozen).clone()).facts());
+            let given = beside.is_file().then(read).transpose()?;
+            (frozen.name().to_owned(), Source::Frozen(frozen, given))
+        }
+        Held::Local(problem) => (stem(&path), Source::Local(Box::new(problem))),
+    };
+    Ok(PlannedProblem { name, settings, source, reference })
 }
 
 /// Adds to the names of problems that are not unique the method of the time steps before, where the plan names it.

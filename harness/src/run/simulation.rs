@@ -164,6 +164,7 @@ pub(crate) fn observed(seen: &Seen) -> Observed {
         energy: o.energy,
         stress: o.stress,
         bulk: o.bulk,
+        shape: o.shape,
     }
 }
 

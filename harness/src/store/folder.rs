@@ -121,6 +121,9 @@ pub(crate) fn finish<K: Kind>(root: &Root, study: &K, mut store: Store<K::Record
         for note in notes {
             say(format_args!("{note}"))?;
         }
+        if let Some(text) = &about.text {
+            say(format_args!("discussed in {text}"))?;
+        }
         Ok(drawn?)
     })?;
     Ok(ExitCode::SUCCESS)
@@ -132,7 +135,8 @@ pub(crate) fn about(plan: &Plan, again: &str) -> About {
     let drawn_again = again.split_whitespace().skip(1).all(|word| word == "--quick");
     let draw = drawn_again.then(|| again.to_owned());
     let rows = format!("../../../results/runs/{}", plan.name);
-    About { name: plan.name.clone(), why: plan.why.clone(), bench: again.to_owned(), rows, draw }
+    let text = plan.text.clone();
+    About { name: plan.name.clone(), why: plan.why.clone(), bench: again.to_owned(), rows, text, draw }
 }
 
 /// Draws into a folder of `reports/out` from the tables in `stored`, in `formats` and those of the files that are there; then

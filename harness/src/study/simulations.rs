@@ -18,10 +18,10 @@ use std::collections::{BTreeMap, HashSet};
 pub(crate) struct ThroughTime {
     selection: Selection,
     rules: Vec<Rule>,
-    /// Each scene once, with a time step shorter than any of the plan.
+    /// Each scene once, with a time step shorter than any of the plan; none without references.
     refined: Vec<Scene>,
-    /// Variant that computes the references, and its rule.
-    reference: (Variant, Rule),
+    /// Variant that computes the references, and its rule, if they are asked for.
+    reference: Option<(Variant, Rule)>,
     /// Version of the code of the march.
     march: &'static str,
 }
@@ -74,8 +74,10 @@ impl Kind for ThroughTime {
                 None => shortest.push(scene),
             }
         }
-        let refine = simulate.reference.refine.get();
-        let refined = shortest.into_iter().map(|scene| scene.refined(refine)).collect::<Result<_>>()?;
+        let refined = simulate.reference.as_ref().map(|reference| {
+            shortest.into_iter().map(|scene| scene.refined(reference.refine.get())).collect::<Result<_>>()
+        });
+        let refined = refined.transpose()?.unwrap_or_default();
         let reference = simulate.reference(&selection.plan.stop)?;
         let rules = selection.plan.rules()?.into_iter().map(|(rule, _)| rule).collect();
         let march = code_version("cases").context("the crate `cases` has no version")?;
@@ -88,16 +90,17 @@ impl Kind for ThroughTime {
 
     /// References and their twins, floors, then the runs in the order of the plan.
     fn tasks(&self) -> Vec<Task<'_, Through<'_>>> {
-        let (method, tight) = &self.reference;
-        let mut loose = *tight;
-        loose.stop.tolerance *= 10.0;
         let mut tasks = Vec::new();
-        for scene in &self.refined {
-            tasks.push(self.task(scene, method, *tight, Role::Reference));
-            tasks.push(self.task(scene, method, loose, Role::Twin));
-        }
-        for (_, scene) in self.scenes() {
-            tasks.push(self.task(scene, method, *tight, Role::Floor));
+        if let Some((method, tight)) = &self.reference {
+            let mut loose = *tight;
+            loose.stop.tolerance *= 10.0;
+            for scene in &self.refined {
+                tasks.push(self.task(scene, method, *tight, Role::Reference));
+                tasks.push(self.task(scene, method, loose, Role::Twin));
+            }
+            for (_, scene) in self.scenes() {
+                tasks.push(self.task(scene, method, *tight, Role::Floor));
+            }
         }
         for (name, scene) in self.scenes() {
             for variant in self.selection.variants.iter().filter(|variant| variant.meets(name)) {
@@ -118,7 +121,10 @@ impl Kind for ThroughTime {
     fn asks(&self) -> String {
         let tasks = self.tasks();
         let runs = tasks.iter().filter(|task| task.what.role == Role::Run).count();
-        format!("{runs} simulations, and {} to compare them with", tasks.len() - runs)
+        match tasks.len() - runs {
+            0 => format!("{runs} simulations"),
+            others => format!("{runs} simulations, and {others} to compare them with"),
+        }
     }
 
     fn listed(&self, done: &HashSet<&str>) -> Vec<Listed> {

@@ -81,6 +81,9 @@ fn normal_that_is_not_a_unit_vector_of_the_plane_is_refused() {
     // 1e-9 is allowed, since files keep 16 digits.
     refused_with(json!([0.0, 1.000_000_002]), &["`contacts.normal[1]` is [0, 1.000000002]", "length 1"]);
     refused_with(json!([1.0]), &["`contacts.normal[1]`", "length 1"]);
+    let words =
+        ["`contacts.normal[1]` is [0, -1]", "from the antagonist, grain 0, to the candidate, grain 1"];
+    refused_with(json!([0.0, -1.0]), &words);
     refused_with(json!([0.0, 1.0, 0.0]), &["`contacts.normal[1]`"]);
 }
 

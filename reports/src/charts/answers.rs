@@ -1,9 +1,11 @@
-//! Cost of each mechanics and what it changes: medians over packings of the ends of simulations and of their times.
+//! Answers of simulations, medians over packings: properties of the packing, of what it does, and the cost.
 
 use polars::df;
 use polars::prelude::DataFrame;
 use results::Median;
+use results::settings::FRICTION;
 use results::simulation::{Observed, SimulationEnding};
+use serde_json::Value;
 
 use super::macroscopic::panel;
 use crate::draw::{Look, Plot, SPARE, Scale, Side, log};
@@ -13,7 +15,7 @@ use crate::text::{Part, frame};
 /// A simulation that came to its end, by what it is a sample of.
 struct Ended<'s> {
     simulation: &'s Simulation,
-    /// Name of the case, and the method where there are several.
+    /// Name of the case, with the settings in which its simulations differ beside friction and seed, and the method where there are several.
     case: String,
     /// μ of the grains (–).
     grains: f64,
@@ -22,20 +24,21 @@ struct Ended<'s> {
 /// A quantity of a simulation.
 struct Answer {
     name: &'static str,
-    title: &'static str,
+    /// Title of its panel; those without one are in the table alone.
+    title: Option<&'static str>,
     /// `None` where it is not defined.
     of: fn(&Simulation) -> Option<f64>,
 }
 
-const ANSWERS: [Answer; 6] = [
+const ANSWERS: [Answer; 17] = [
     Answer {
         name: "height_mean_diameters",
-        title: "mean height (mean diameters)",
+        title: Some("mean height (mean diameters)"),
         of: |s| Some(last(s)?.mean_height_m / s.mean_diameter_m),
     },
     Answer {
         name: "side_walls_share",
-        title: "impulses, side walls / floor (–)",
+        title: Some("impulses, side walls / floor (–)"),
         of: |s| {
             let sum = |of: fn(&Observed) -> f64| late(s).iter().map(of).sum::<f64>();
             let sides = sum(|row| row.left_impulse_n_s) + sum(|row| row.right_impulse_n_s);
@@ -45,17 +48,17 @@ const ANSWERS: [Answer; 6] = [
     },
     Answer {
         name: "contacts_per_grain",
-        title: "contacts per grain (–)",
+        title: Some("contacts per grain (–)"),
         of: |s| Some(f64::from(last(s)?.contacts) / f64::from(s.grains)),
     },
     Answer {
         name: "iterations_per_time_step",
-        title: "iterations per time step",
+        title: Some("iterations per time step"),
         of: |s| Some(s.totals.iterations as f64 / s.totals.time_steps as f64),
     },
     Answer {
         name: "nanoseconds_per_visit",
-        title: "time per contact visited (ns)",
+        title: Some("time per contact visited (ns)"),
         of: |s| {
             Some(1e9 * s.totals.iterating_s / s.totals.work.contact_updates as f64)
                 .filter(|time| time.is_finite())
@@ -63,14 +66,58 @@ const ANSWERS: [Answer; 6] = [
     },
     Answer {
         name: "microseconds_per_grain",
-        title: "time per step and grain (µs)",
+        title: Some("time per step and grain (µs)"),
         of: |s| {
             let seconds = s.totals.setup_s + s.totals.iterating_s;
             Some(1e6 * seconds / s.totals.time_steps as f64 / f64::from(s.grains))
                 .filter(|time| !time.is_nan())
         },
     },
+    Answer {
+        name: "floor_share",
+        title: None,
+        of: |s| {
+            let impulse: f64 = late(s).iter().map(|row| row.floor_impulse_n_s).sum();
+            defined(impulse / (s.mass_kg * s.gravity_m_per_s2 * (last(s)?.time_s - before_late(s)?.time_s)))
+        },
+    },
+    Answer {
+        name: "shear_over_normal",
+        title: None,
+        of: |s| mean(s, |row| row.stress.ratio().unwrap_or(f64::NAN)),
+    },
+    Answer { name: "bulk_solid_fraction", title: None, of: |s| mean(s, |row| row.bulk.solid_fraction) },
+    Answer { name: "bulk_coordination", title: None, of: |s| mean(s, |row| row.bulk.coordination) },
+    Answer { name: "weak_contacts", title: None, of: |s| mean(s, |row| row.shape.weak_contacts) },
+    Answer {
+        name: "bed_angle_degrees",
+        title: None,
+        of: |s| mean(s, |row| row.shape.bed_angle.to_degrees()),
+    },
+    Answer {
+        name: "aspect",
+        title: None,
+        of: |s| s.series().first().and_then(|row| defined(2.0 * row.mean_height_m / row.shape.width)),
+    },
+    Answer {
+        name: "run_out",
+        title: None,
+        of: |s| defined(last(s)?.shape.width / s.series().first()?.shape.width - 1.0),
+    },
+    Answer { name: "passed_share", title: None, of: |s| defined(last(s)?.shape.passed_mass / s.mass_kg) },
+    Answer { name: "discharge_kg_per_s", title: None, of: discharge },
+    Answer {
+        name: "walls_power_w",
+        title: None,
+        of: |s| {
+            let work: f64 = late(s).iter().map(|row| row.energy.walls).sum();
+            defined(work / (last(s)?.time_s - before_late(s)?.time_s))
+        },
+    },
 ];
+
+/// Shares of the mass between which a silo's rate is taken: after its beginning and before its end.
+const FLOWING: [f64; 2] = [0.1, 0.4];
 
 fn last(simulation: &Simulation) -> Option<&Observed> {
     simulation.series().last()
@@ -82,12 +129,51 @@ fn late(simulation: &Simulation) -> &[Observed] {
     &series[series.len() / 2..]
 }
 
+/// A value where it is finite.
+fn defined(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// The last row before the second half.
+fn before_late(simulation: &Simulation) -> Option<&Observed> {
+    let series = simulation.series();
+    (series.len() / 2).checked_sub(1).map(|row| &series[row])
+}
+
+/// The mean of a quantity over the second half, where every row has it.
+fn mean(simulation: &Simulation, of: fn(&Observed) -> f64) -> Option<f64> {
+    let late = late(simulation);
+    defined(late.iter().map(of).sum::<f64>() / late.len() as f64)
+}
+
+/// Returns the rate at which mass passes below all segments, while [`FLOWING`] of it does (kg/s).
+fn discharge(simulation: &Simulation) -> Option<f64> {
+    let at = |share: f64| {
+        simulation.series().iter().find(|row| row.shape.passed_mass >= share * simulation.mass_kg)
+    };
+    let [begin, end] = FLOWING.map(at);
+    let (begin, end) = (begin?, end?);
+    defined((end.shape.passed_mass - begin.shape.passed_mass) / (end.time_s - begin.time_s))
+}
+
+/// The settings of a simulation, beside friction and seed, that are not the same in all of its case, as they are read.
+fn set_apart(simulation: &Simulation, all: &[Simulation]) -> Vec<String> {
+    let same_case = || all.iter().filter(|other| other.is_run() && other.case() == simulation.case());
+    let differs =
+        |key: &str, value: &Value| same_case().any(|other| other.scene_settings.get(key) != Some(value));
+    let set = simulation.scene_settings.iter();
+    let set =
+        set.filter(|(key, value)| ![FRICTION, "sample.seed"].contains(&key.as_str()) && differs(key, value));
+    set.map(|(key, value)| format!("{} = {value}", key.rsplit('.').next().unwrap_or(key))).collect()
+}
+
 fn ended(all: &[Simulation]) -> Vec<Ended<'_>> {
     let runs = || all.iter().filter(|simulation| simulation.is_run());
     let several = unique(runs().map(Simulation::label)).len() > 1;
     let ended = |simulation| {
-        let case = Simulation::case(simulation);
-        let case = if several { format!("{case}, {}", simulation.label()) } else { case.to_owned() };
+        let case = std::iter::once(Simulation::case(simulation).to_owned());
+        let case = case.chain(set_apart(simulation, all)).chain(several.then(|| simulation.label()));
+        let case = case.collect::<Vec<_>>().join(", ");
         Ended { simulation, case, grains: simulation.friction().unwrap_or(0.0) }
     };
     runs().filter(|simulation| simulation.status == SimulationEnding::Completed).map(ended).collect()
@@ -98,8 +184,9 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
     let ended = ended(all);
     let note = "\nMedians over packings, with intervals that hold them with a probability of 90 % or more, of fewer than five the least and the \
                 greatest; of simulations that came to their end, of which some time step missed the tolerance in as many as `missed` says. \
-                The mean height and the contacts are those at the end; the walls' impulses those of the second half of the time. Time: \
-                set-up and iterations.\n";
+                The mean height and the contacts are those at the end; the walls' impulses, the floor's share of the weight, stresses, the \
+                bulk, weak contacts, the angle of a bed and the power of walls those of the second half of the time; aspect: twice the mean height over the width, of \
+                the first row; run-out: growth of the width since then, over it; discharge: while 10 to 40 % of the mass passes. Time: set-up and iterations.\n";
     let mut parts = Vec::new();
     if !ended.is_empty() {
         parts.push(Part::figure("answers", figure(&ended)));
@@ -120,7 +207,7 @@ fn figure(ended: &[Ended]) -> String {
     let frictions = rising(ended.iter().map(|one| one.grains));
     let look = |(n, case): (usize, &&str)| ((*case).to_owned(), SPARE[(3 + n) % SPARE.len()].dashed(0));
     let looks: Vec<(String, Look)> = cases.iter().enumerate().map(look).collect();
-    let panels = ANSWERS.iter().map(|answer| {
+    let panels = ANSWERS.iter().filter_map(|answer| Some((answer, answer.title?))).map(|(answer, title)| {
         let places = |case: &str| {
             let at = |grains: &f64| {
                 let Median { low, median, high } = median(ended, (case, *grains), answer)?;
@@ -129,7 +216,7 @@ fn figure(ended: &[Ended]) -> String {
             frictions.iter().filter_map(at).collect()
         };
         let x = Side::new(Scale::Share, "friction μ of the grains (–)").holding(frictions.clone());
-        panel(&looks, &places, &frictions, [x, Side::new(Scale::Ten, answer.title)])
+        panel(&looks, &places, &frictions, [x, Side::new(Scale::Ten, title)])
     });
     let title = vec!["What friction and the third dimension change, and what they cost: medians over packings, with intervals.".to_owned()];
     Plot { title, panels: panels.collect(), ..Plot::default() }.svg()
@@ -141,13 +228,18 @@ fn table(ended: &[Ended]) -> DataFrame {
         for grains in rising(ended.iter().filter(|one| one.case == case).map(|one| one.grains)) {
             let own = || ended.iter().filter(|one| one.case == case && one.grains == grains);
             let missed = own().filter(|one| one.simulation.totals.missed_time_steps > 0).count();
-            rows.extend(ANSWERS.iter().map(|answer| Row {
-                case,
-                grains,
-                packings: own().count(),
-                missed,
-                answer: answer.name,
-                median: median(ended, (case, grains), answer),
+            rows.extend(ANSWERS.iter().filter_map(|answer| {
+                let median = median(ended, (case, grains), answer);
+                // A scene without a drum has no row for its angle.
+                let is_told = answer.title.is_some() || median.is_some();
+                is_told.then(|| Row {
+                    case,
+                    grains,
+                    packings: own().count(),
+                    missed,
+                    answer: answer.name,
+                    median,
+                })
             }));
         }
     }

@@ -97,6 +97,7 @@ fn table(ratios: &[Growth]) -> DataFrame {
     frame(df!(
         "case" => ratios.iter().map(|ratio| ratio.kind.case.as_str()).collect::<Vec<_>>(),
         "kind" => ratios.iter().map(|ratio| ratio.kind.name.as_str()).collect::<Vec<_>>(),
+        "grains" => ratios.iter().map(|ratio| ratio.kind.grains).collect::<Vec<_>>(),
         "method" => ratios.iter().map(|ratio| ratio.label.as_str()).collect::<Vec<_>>(),
         "subdomains" => ratios.iter().map(|ratio| ratio.subdomains).collect::<Vec<_>>(),
         "measure" => ratios.iter().map(|ratio| ratio.measure.name()).collect::<Vec<_>>(),

@@ -9,7 +9,7 @@ use crate::read::{COSTS, Ending, Kind, RunRow, problems, unique};
 pub(crate) fn natural_maps(runs: &[RunRow]) -> Vec<f64> {
     let tolerance = |run: &RunRow| if run.stop_on.0 == Measure::NaturalMap { run.tolerance } else { None };
     let least = runs.iter().map(|run| tolerance(run).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
-    [1e-2, 1e-4, 1e-6, 1e-8].into_iter().filter(|accuracy| *accuracy >= least).collect()
+    [1e-2, 1e-4, 1e-6, 1e-8, 1e-10].into_iter().filter(|accuracy| *accuracy >= least).collect()
 }
 
 /// A method on problems of one kind.

@@ -1,6 +1,6 @@
 //! Kinds of problem: those of a case that differ in their samples alone.
 
-use results::settings::{CASE, FRICTION, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
+use results::settings::{CASE, FRICTION, KNOWN, MARCH, MISSED_BEFORE, MOMENT, TIME_STEP};
 use serde_json::Value;
 
 use crate::read::{RunRow, find_or_push, problems};
@@ -35,7 +35,7 @@ impl Kind<'_> {
 
 /// Reports whether a setting of a problem makes it another sample of its kind, or says its size or how it was reached.
 fn is_of_the_sample(key: &str) -> bool {
-    ["sample.seed", GRAINS, CASE, TIME_STEP, MOMENT, MISSED_BEFORE, MARCH].contains(&key)
+    ["sample.seed", GRAINS, CASE, TIME_STEP, MOMENT, MISSED_BEFORE, MARCH, KNOWN].contains(&key)
         || key.starts_with("scene.box.")
 }
 

@@ -63,6 +63,7 @@ fn simulated(number: u32) -> Simulated {
         energy: Energy { walls: 0.1 + 0.2, sliding: f64::NAN, ..Energy::default() },
         stress: Stress { xy: -1.0 / 3.0, coordination: 3.2, ..Stress::default() },
         bulk: Bulk::default(),
+        shape: Shape::default(),
     };
     Simulated { simulation, series: vec![observed] }
 }

@@ -13,6 +13,7 @@ fn at_rest(case: &str, seed: u32, friction: f64, height: f64) -> Simulated {
     one.simulation.scene = format!("{case} seed={seed} friction={friction}");
     one.simulation.scene_settings.insert(CASE.to_owned(), case.into());
     one.simulation.scene_settings.insert(FRICTION.to_owned(), friction.into());
+    one.simulation.scene_settings.insert("sample.seed".to_owned(), seed.into());
     one
 }
 
