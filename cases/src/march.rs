@@ -48,6 +48,8 @@ pub struct March<M: Mechanics = Discs> {
     last: Vec<((u32, Side), M::Impulse)>,
     /// Impulses of the time step before it, likewise; none if its solve failed (N·s).
     before: Vec<((u32, Side), M::Impulse)>,
+    /// Contacts that slid in the last time step, in order; kept where static friction is another.
+    sliding: Vec<(u32, Side)>,
     /// Status of the last time step, if it did not converge.
     missed: Option<Missed>,
     /// Deepest overlap of the problem last solved, see [`deepest`].
@@ -106,6 +108,7 @@ impl<M: Marched> March<M> {
             done: 0,
             last: Vec::new(),
             before: Vec::new(),
+            sliding: Vec::new(),
             missed: None,
             overlap: None,
         };
@@ -205,6 +208,7 @@ impl<M: Marched> March<M> {
         let kept_at = |k: usize| kept::<M>(&problem.contacts()[k], M::Impulse::at(r, k));
         let last = time_step.keys().enumerate().map(|(k, key)| (key, kept_at(k))).collect();
         self.before = std::mem::replace(&mut self.last, last);
+        self.sliding = self.sliding(time_step, r);
         self.done += 1;
         self.observe(time_step, r, energy)
     }

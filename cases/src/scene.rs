@@ -47,6 +47,10 @@ pub struct Scene {
     /// Coulomb's μ between grains, and at walls that have none of their own (–). Where all are 0 or left out there is no friction, and
     /// grains have no spin.
     pub friction: Option<f64>,
+    /// Static over dynamic friction (–), at least 1: the factor of every μ at a contact that did not slide in the time step before, or is
+    /// new. A contact slides where its impulse lies on its cone. Each time step is then Coulomb's law with a μ of each contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_friction_ratio: Option<f64>,
     /// True where grains translate and never spin, as blocks too low to tip.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub spinless: bool,
@@ -272,6 +276,11 @@ impl Scene {
             ("contact_copies", copies.into(), copies > 0, "at least 1"),
         ];
         values.extend(self.friction.map(|mu| not_negative("friction", mu)));
+        let at_least_one = |ratio: f64| ratio >= 1.0 && ratio.is_finite();
+        values.extend(
+            self.static_friction_ratio
+                .map(|ratio| ("static_friction_ratio", ratio, at_least_one(ratio), "at least 1 and finite")),
+        );
         values.extend(self.restitution.map(|e| {
             let valid = (0.0..=1.0).contains(&e) && self.law == Law::Newton;
             ("restitution", e, valid, "between 0 and 1, with the law `newton`")

@@ -8,6 +8,7 @@ mod driven;
 mod drum;
 mod energy;
 mod flow;
+mod friction_laws;
 mod joints;
 mod known_answers;
 mod literature;

@@ -61,6 +61,7 @@ impl<M: Marched> March<M> {
             // The guides of a lid and of driven segments are smooth.
             let is_guided = pair.candidate as usize >= self.grain_count();
             let friction = if is_guided { [0.0; 2] } else { of_segment.map_or(rough, |mu| [rough[0], mu]) };
+            let friction = friction.map(|mu| mu * self.static_factor((pair.candidate, pair.antagonist)));
             let mut parts = parts::<M>(pair, &self.radius, motion, friction);
             let contact = M::contact(&parts);
             let enters = match law {
@@ -115,12 +116,42 @@ impl<M: Marched> March<M> {
         bodies.guides().for_each(|(pair, motion)| visit(&pair, &motion));
     }
 
+    /// Factor of μ at a contact, by whether it slid in the time step before (–).
+    fn static_factor(&self, key: (u32, Side)) -> f64 {
+        let ratio = self.scene.static_friction_ratio.unwrap_or(1.0);
+        if self.sliding.binary_search(&key).is_ok() { 1.0 } else { ratio }
+    }
+
+    /// Returns the contacts of a time step that slide with its impulses `r` (N·s), in order; none where static friction is not another.
+    pub(super) fn sliding(&self, time_step: &TimeStep<M>, r: &[f64]) -> Vec<(u32, Side)> {
+        if self.scene.static_friction_ratio.is_none() {
+            return Vec::new();
+        }
+        let contacts = time_step.frozen.problem.contacts().iter().enumerate();
+        let slides = |(k, contact): (usize, &M::Contact)| {
+            let mut own = [0.0; 3];
+            M::Impulse::at(r, k).put(&mut own, 0);
+            let bound = M::friction(contact).unwrap_or(0.0) * own[0];
+            own[0] > 0.0 && own[1].hypot(own[2]) >= (1.0 - ON_THE_CONE) * bound
+        };
+        let mut sliding: Vec<(u32, Side)> = contacts
+            .map(slides)
+            .zip(time_step.keys())
+            .filter_map(|(slides, key)| slides.then_some(key))
+            .collect();
+        sliding.sort_unstable();
+        sliding
+    }
+
     /// The time since contacts were sought last, or since time began (s).
     pub(super) fn since_detection(&self) -> f64 {
         let Scene { time_step_s: h, theta, .. } = self.scene;
         if self.done == 0 { (1.0 - theta) * h } else { h }
     }
 }
+
+/// Distance of an impulse from its cone that is round-off, over the size of its tangential part (–).
+const ON_THE_CONE: f64 = 1e-12;
 
 /// A pair that the law lets in, and what that adds to its offset.
 pub(super) type Entered<P> = (DetectedContact<P>, Terms);

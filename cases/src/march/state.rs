@@ -40,6 +40,9 @@ struct File<P, V, R> {
     last: Impulses<R>,
     /// Impulses of the time step before it.
     before: Impulses<R>,
+    /// Contacts that slid in the last time step, each as its candidate and antagonist, in order; where static friction is another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    sliding: Vec<(u32, Side)>,
 }
 
 #[derive(JsonSchema, Serialize, Deserialize)]
@@ -235,6 +238,7 @@ impl<M: Marched> March<M> {
             },
             last: listed(&self.last),
             before: listed(&self.before),
+            sliding: self.sliding.clone(),
         };
         Ok(serde_json::to_string(&file)? + "\n")
     }
@@ -263,7 +267,7 @@ impl<M: Marched> March<M> {
     }
 
     fn take(&mut self, case: &Case, file: FileOf<M>) -> Result<(), String> {
-        let File { case: of, sample, scene, time_steps, missed, bodies, last, before, .. } = file;
+        let File { case: of, sample, scene, time_steps, missed, bodies, last, before, sliding, .. } = file;
         if sample != case.sample || scene != case.scene {
             let json =
                 |sample: &Sample, scene: &Scene| serde_json::json!({ "sample": sample, "scene": scene });
@@ -300,7 +304,10 @@ impl<M: Marched> March<M> {
         self.last = last.kept("last", count)?;
         self.before = before.kept("before", count)?;
         (self.position, self.velocity) = (position, velocity);
-        (self.done, self.missed) = (time_steps, missed);
+        if !sliding.is_sorted() {
+            return Err("`sliding`: contacts must rise by candidate, then antagonist".to_owned());
+        }
+        (self.done, self.missed, self.sliding) = (time_steps, missed, sliding);
         Ok(())
     }
 }

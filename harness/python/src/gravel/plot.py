@@ -137,7 +137,7 @@ def convergence(
         for column in (measure, against):
             if column not in solution.curve:
                 raise ValueError(f"`{column}` is no column of a curve: {', '.join(solution.curve)}")
-        axes.plot(solution.curve[against], solution.curve[measure], label=label)
+        axes.plot(solution.curve[against], solution.curve[measure], label=label, drawstyle="steps-post")
     axes.set_xscale("symlog", linthresh=1) if against == "iteration" else axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("iterations" if against == "iteration" else against)
