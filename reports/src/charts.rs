@@ -121,7 +121,7 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "reached",
-        makes: "`reached-<case>`, `reached`",
+        makes: "`reached-<case>-<grains>`, `reached`",
         shows: "which methods come to which accuracy on each kind of problem, whatever the time; their counted work",
         parts: Parts::Problems(reached::parts),
     },
