@@ -35,10 +35,10 @@ pub trait Lanes:
 pub trait Number: Lanes + RealField + Pod + Into<f64> {
     /// Several numbers side by side.
     type Side<S: Simd>: Pod + Debug;
-    /// The same numbers as a list.
+    /// List of these numbers.
     type List: AsRef<[Self]>;
 
-    /// How many numbers are taken at once, on a processor that takes as many.
+    /// Number of them.
     const SIDE: usize;
 
     /// Returns how many numbers a processor takes at once.

@@ -97,10 +97,10 @@ pub trait Numbers:
 {
     /// One of them.
     type Number: Number;
-    /// The same list in double precision.
+    /// List of them in double precision.
     type Double: Vector;
 
-    /// Each of them, so many `times`.
+    /// Returns the numbers, so many `times`.
     #[must_use]
     fn scaled(self, times: Self::Number) -> Self;
 
@@ -416,7 +416,7 @@ impl<M: Mechanics, C> VisitedIn<M> for C where
 
 /// A contact of a mechanics in mass-scaled unknowns.
 pub trait Column<M: Mechanics>: Visited<Velocity = M::Velocity, Impulse = M::Impulse> {
-    /// The same contact in single precision.
+    /// Column in single precision.
     type Single: VisitedIn<M>;
 
     /// A contact between two `places` of y, or one place and a wall, with the `inverse_mass` of its grains (1/kg); and its unit:
