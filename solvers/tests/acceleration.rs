@@ -3,6 +3,7 @@
 use crate::problems::{difference, first_problem, frozen, impulses, packing, start};
 use analysis::Bounded;
 use contact::acceleration::{Acceleration, LAG, Momentum};
+use contact::precision::Precision;
 use contact::{ContactProblem, Mechanics, Packing, RoughDiscs, RoughSpheres, Solver, Spheres};
 use jacobi::Jacobi;
 use nsgs::{Nsgs, Order};
@@ -18,6 +19,7 @@ const ACCELERATED: Nsgs = Nsgs {
     acceleration: Acceleration::Nesterov,
     lag: LAG,
     slack: Some(1.5),
+    precision: Precision::Double,
 };
 
 /// An accelerated run, step by step from whole lists of impulses: each iteration is the first of a plain run from y.

@@ -4,7 +4,7 @@ use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, 
 use cg::{Cg, Preconditioner};
 use contact::scaled::{ScaledContact, by_levels, scaled_velocity};
 use contact::sweep::Sweep;
-use contact::{Column, Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Spheres, Vector, law};
+use contact::{Column, Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Spheres, Vector, Visited, law};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;

@@ -23,6 +23,7 @@ mod layouts;
 mod measured;
 mod newton_schur;
 mod newton_spheres;
+mod precision;
 mod predictions;
 mod problem_and_measures;
 mod problems;

@@ -95,7 +95,7 @@ fn json_spells_out_the_defaults_of_every_method() {
     let set = gravel(&["solve", "column", "--json", "--method", "nsgs", "--set", "relaxation=1.5"]).json();
     let settings = json!({
         "order": "natural", "relaxation": 1.5, "seed": 1, "symmetric": false,
-        "acceleration": "none", "lag": 2.0, "slack": null
+        "acceleration": "none", "lag": 2.0, "slack": null, "precision": "double"
     });
     assert_eq!(set["settings"], settings);
 }

@@ -16,7 +16,7 @@ use crate::interior::{FROM, MOST_STEPS, NO_WAY, SHORT_OF_IT};
 use cholesky::{Coupling, Factor, Structure};
 use contact::law::tangential;
 use contact::status::unit;
-use contact::{Column, Cone, Frictional, Packing, Rough, SetupError, Work};
+use contact::{Cone, Frictional, Mechanics, Packing, Rough, SetupError, Visited, Work};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -212,8 +212,8 @@ where
         if let Some(factor) = &self.factor {
             factor.solve(&mut y);
         }
-        let of = |(k, (column, shape)): (usize, (&_, &SVector<f64, D>))| {
-            let dz = Column::<Rough<D>>::relative(column, &y).component_mul(shape) + apart[k];
+        let of = |(k, (column, shape)): (usize, (&<Rough<D> as Mechanics>::Column, &SVector<f64, D>))| {
+            let dz = column.relative(&y).component_mul(shape) + apart[k];
             (goal[k] - square[k] * dz, dz)
         };
         contacts().map(of).unzip()

@@ -3,7 +3,7 @@
 
 use crate::inner::{Inner, Whole};
 use cholesky::Coupling;
-use contact::{Column, Packing, ScaledContact, Smooth, Work, law};
+use contact::{Column, Packing, ScaledContact, Smooth, Visited, Work, law};
 use nalgebra::SVector;
 
 /// The problem, and what solves with K = 1 + Σ d h̃ h̃ᵗ for some weights d ≥ 0 of the contacts.

@@ -10,7 +10,7 @@
 )]
 
 use contact::law::non_negative;
-use contact::{Adjacency, Column, Smooth};
+use contact::{Adjacency, Smooth, Visited};
 use nalgebra::SVector;
 use product::{Columns, Subdomain};
 use pulp::{Arch, Simd, WithSimd};

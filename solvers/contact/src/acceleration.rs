@@ -23,7 +23,8 @@
 #![expect(clippy::inline_always, reason = "else these lack the instructions that a sweep is made for")]
 
 use crate::error::SetupError;
-use crate::mechanics::{Mechanics, Vector};
+use crate::lanes::Number;
+use crate::mechanics::{Mechanics, Numbers, Vector, Visited, VisitedIn};
 use crate::sweep::Sweep;
 use bytemuck::{cast_slice, cast_slice_mut};
 use schemars::JsonSchema;
@@ -136,8 +137,9 @@ impl Momentum {
 
 /// y = z + β (z − x), then x = z: `z` becomes y.
 #[inline(always)]
-fn extrapolate<V: Vector>(z: &mut [V], x: &mut [V], factor: f64) {
-    for (z, x) in cast_slice_mut::<V, f64>(z).iter_mut().zip(cast_slice_mut::<V, f64>(x)) {
+fn extrapolate<V: Numbers>(z: &mut [V], x: &mut [V], factor: f64) {
+    let factor = <V::Number as Number>::nearest(factor);
+    for (z, x) in cast_slice_mut::<V, V::Number>(z).iter_mut().zip(cast_slice_mut::<V, V::Number>(x)) {
         (*x, *z) = (*z, *z + (*z - *x) * factor);
     }
 }
@@ -147,17 +149,17 @@ type Sums = [[f64; LANES]; 2];
 
 /// Adds |g|² and ⟨g, d⟩ of some numbers, g = y − z and d = z − x.
 #[inline(always)]
-fn add([squared, along]: &mut Sums, [x, y, z]: [&[f64; LANES]; 3]) {
+fn add<N: Number>([squared, along]: &mut Sums, [x, y, z]: [&[N; LANES]; 3]) {
     for k in 0..LANES {
-        let g = y[k] - z[k];
+        let [g, d]: [f64; 2] = [y[k] - z[k], z[k] - x[k]].map(Into::into);
         squared[k] += g * g;
-        along[k] += g * (z[k] - x[k]);
+        along[k] += g * d;
     }
 }
 
 /// The last numbers of a list, and zeros.
-fn filled(last: &[f64]) -> [f64; LANES] {
-    from_fn(|k| last.get(k).copied().unwrap_or(0.0))
+fn filled<N: Number>(last: &[N]) -> [N; LANES] {
+    from_fn(|k| last.get(k).copied().unwrap_or(N::zero()))
 }
 
 /// Impulses of an accelerated iteration, of a contact each: x and y of the formula, and its two sums.
@@ -171,7 +173,7 @@ pub struct Lead<V> {
     sums: Sums,
 }
 
-impl<V: Vector> Lead<V> {
+impl<V: Numbers> Lead<V> {
     /// The lead of a sweep that begins at impulses `s`.
     pub fn new(s: &[V]) -> Self {
         Self { before: s.to_vec(), ahead: s.to_vec(), factor: 0.0, sums: [[0.0; LANES]; 2] }
@@ -195,7 +197,7 @@ impl<V: Vector> Lead<V> {
     pub fn judge(&mut self, s: &[V], here: Range<usize>) {
         let lists = [&self.before[here.clone()], &self.ahead[..here.len()], &s[here]];
         let [(x, last_x), (y, last_y), (z, last_z)] =
-            lists.map(|list| cast_slice::<V, f64>(list).as_chunks::<LANES>());
+            lists.map(|list| cast_slice::<V, V::Number>(list).as_chunks::<LANES>());
         // The compiler must know that nothing else is where the sums are.
         let mut sums = self.sums;
         for ((x, y), z) in x.iter().zip(y).zip(z) {
@@ -206,7 +208,10 @@ impl<V: Vector> Lead<V> {
     }
 
     /// Adds |g|² and ⟨g, d⟩ of all rows where D is not the identity: `weighed` multiplies the g of a row by its D.
-    pub fn judge_weighed(&mut self, s: &[V], weighed: impl Fn(usize, V) -> V) {
+    pub fn judge_weighed(&mut self, s: &[V], weighed: impl Fn(usize, V) -> V)
+    where
+        V: Vector,
+    {
         let [squared, along] = &mut self.sums;
         for (row, ((x, y), z)) in self.before.iter().zip(&self.ahead).zip(s).enumerate() {
             let (g, d) = (*y - *z, *z - *x);
@@ -223,25 +228,25 @@ impl<V: Vector> Lead<V> {
 }
 
 /// State that an accelerated iteration keeps of the one before.
-pub struct Trail<M: Mechanics> {
+pub struct Trail<C: Visited> {
     /// Mass-scaled impulses s (√J).
-    pub(crate) impulses: Lead<M::Impulse>,
+    pub(crate) impulses: Lead<C::Impulse>,
     /// Mass-scaled velocities of x (√J).
-    velocity: Vec<M::Velocity>,
+    velocity: Vec<C::Velocity>,
     /// Number of velocities that are extrapolated already.
     reached: usize,
     /// Mass-scaled velocities without impulses (√J).
-    free: Vec<M::Velocity>,
+    free: Vec<C::Velocity>,
 }
 
-impl<M: Mechanics> Trail<M> {
+impl<C: Visited> Trail<C> {
     /// The trail of a sweep that begins at impulses `s` and velocities `y`, which are `free` without impulses (√J).
-    pub(crate) fn new(s: &[M::Impulse], y: &[M::Velocity], free: Vec<M::Velocity>) -> Self {
+    pub(crate) fn new(s: &[C::Impulse], y: &[C::Velocity], free: Vec<C::Velocity>) -> Self {
         Self { impulses: Lead::new(s), velocity: y.to_vec(), reached: 0, free }
     }
 
     /// Returns the mass-scaled velocities without impulses (√J).
-    pub fn free(&self) -> &[M::Velocity] {
+    pub fn free(&self) -> &[C::Velocity] {
         &self.free
     }
 
@@ -253,10 +258,17 @@ impl<M: Mechanics> Trail<M> {
 
     /// Extrapolates the first velocities of `y`, up to `reach`, unless they are extrapolated already.
     #[inline(always)]
-    pub fn extrapolate(&mut self, y: &mut [M::Velocity], reach: usize) {
+    pub fn extrapolate(&mut self, y: &mut [C::Velocity], reach: usize) {
         let here = self.reached..reach.max(self.reached);
         extrapolate(&mut y[here.clone()], &mut self.velocity[here], self.impulses.factor);
         self.reached = reach.max(self.reached);
+    }
+
+    /// Changes the velocities of x by as much as others, which were made anew without another change.
+    pub(crate) fn shift(&mut self, before: &[C::Velocity], after: &[C::Velocity]) {
+        for (x, (before, after)) in self.velocity.iter_mut().zip(before.iter().zip(after)) {
+            *x += *after - *before;
+        }
     }
 
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
@@ -266,21 +278,30 @@ impl<M: Mechanics> Trail<M> {
 }
 
 /// Acceleration of the iterations of one sweep.
-pub struct Accelerated<M: Mechanics> {
+pub struct Accelerated<C: Visited> {
     momentum: Momentum,
-    trail: Trail<M>,
+    trail: Trail<C>,
     restarts: u64,
 }
 
-impl<M: Mechanics> Accelerated<M> {
+impl<C: Visited> Accelerated<C> {
     /// The acceleration of iterations that begin where `sweep` is.
-    pub fn new(momentum: Momentum, sweep: &Sweep<M>) -> Self {
+    pub fn new<M: Mechanics>(momentum: Momentum, sweep: &Sweep<M, C>) -> Self
+    where
+        C: VisitedIn<M>,
+    {
         let momentum = momentum.of_problem(M::HAS_FRICTION);
         Self { momentum, trail: sweep.trail(sweep.without_impulses()), restarts: 0 }
     }
 
     /// Makes an `iteration`, which extrapolates and judges by the trail.
-    pub fn iterate(&mut self, sweep: &mut Sweep<M>, iteration: impl FnOnce(&mut Sweep<M>, &mut Trail<M>)) {
+    pub fn iterate<M: Mechanics>(
+        &mut self,
+        sweep: &mut Sweep<M, C>,
+        iteration: impl FnOnce(&mut Sweep<M, C>, &mut Trail<C>),
+    ) where
+        C: VisitedIn<M>,
+    {
         let Self { momentum, trail, restarts } = self;
         if momentum.has_restarted() {
             sweep.renew(trail);
@@ -289,6 +310,18 @@ impl<M: Mechanics> Accelerated<M> {
         trail.begin(momentum.factor());
         iteration(sweep, trail);
         momentum.turn(trail.sums());
+    }
+
+    /// Makes velocities anew, see [`Sweep::refine`], and those of x with them.
+    pub fn refine<M: Mechanics>(&mut self, sweep: &mut Sweep<M, C>)
+    where
+        C: VisitedIn<M>,
+    {
+        if sweep.renewal.is_some() {
+            let before = sweep.y.clone();
+            sweep.refine();
+            self.trail.shift(&before, &sweep.y);
+        }
     }
 
     /// Returns the products with W made so far: H r at each restart, half of one.

@@ -1,12 +1,17 @@
-//! Types of numbers for which the equations of a visit are written once: of one contact, or of four at once.
+//! Types of numbers for which the equations of a visit are written once: in one precision or another, of one contact or of
+//! several at once.
 
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
-use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign, Scalar, Vector3};
-use pulp::{Simd, bytemuck};
+use bytemuck::Pod;
+use nalgebra::{
+    ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign, RealField, Scalar, Vector3,
+};
+use pulp::Simd;
+use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// One number, or several side by side, to each of which an operation does what it does to one alone.
@@ -26,112 +31,252 @@ pub trait Lanes:
     fn where_greater(ab: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self;
 }
 
-impl Lanes for f64 {
-    #[inline(always)]
-    fn root(self) -> Self {
-        self.sqrt()
-    }
+/// Number of one of the precisions of a sweep, with the instructions that take several of them at once.
+pub trait Number: Lanes + RealField + Pod + Into<f64> {
+    /// Several numbers side by side.
+    type Side<S: Simd>: Pod + Debug;
+    /// List of these numbers.
+    type List: AsRef<[Self]>;
 
-    #[inline(always)]
-    fn all(self, x: f64) -> Self {
-        x
-    }
+    /// Number of them.
+    const SIDE: usize;
 
-    #[inline(always)]
-    fn where_greater([a, b]: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self {
-        if a > b { then() } else { or }
-    }
+    /// Returns how many numbers a processor takes at once.
+    fn lanes<S: Simd>() -> usize;
+
+    /// Returns the nearest number of this precision.
+    fn nearest(x: f64) -> Self;
+
+    /// Takes the numbers `of` 0 to [`Number::SIDE`] − 1.
+    fn gather<S: Simd>(simd: S, of: impl Fn(usize) -> Self) -> Self::Side<S>;
+
+    /// Takes two numbers each `of` 0 to [`Number::SIDE`] − 1: where these lie side by side in memory, two shuffles in the place of many
+    /// moves.
+    fn gather_pairs<S: Simd>(simd: S, of: impl Fn(usize) -> [Self; 2]) -> [Self::Side<S>; 2];
+
+    /// Returns the numbers one by one.
+    fn list<S: Simd>(of: Self::Side<S>) -> Self::List;
+
+    /// Returns `x` in every place.
+    fn repeated<S: Simd>(simd: S, x: Self) -> Self::Side<S>;
+
+    /// −a.
+    fn negated<S: Simd>(simd: S, a: Self::Side<S>) -> Self::Side<S>;
+
+    /// √a.
+    fn roots<S: Simd>(simd: S, a: Self::Side<S>) -> Self::Side<S>;
+
+    /// a + b.
+    fn sum<S: Simd>(simd: S, a: Self::Side<S>, b: Self::Side<S>) -> Self::Side<S>;
+
+    /// a − b.
+    fn difference<S: Simd>(simd: S, a: Self::Side<S>, b: Self::Side<S>) -> Self::Side<S>;
+
+    /// a b.
+    fn product<S: Simd>(simd: S, a: Self::Side<S>, b: Self::Side<S>) -> Self::Side<S>;
+
+    /// a/b.
+    fn quotient<S: Simd>(simd: S, a: Self::Side<S>, b: Self::Side<S>) -> Self::Side<S>;
+
+    /// Returns what of `then` is in the places where a > b, and of `or` elsewhere.
+    fn where_above<S: Simd>(
+        simd: S,
+        ab: [Self::Side<S>; 2],
+        then: Self::Side<S>,
+        or: Self::Side<S>,
+    ) -> Self::Side<S>;
 }
 
-/// Four numbers, on a processor whose instructions take as many.
+/// The instructions of one precision: how many numbers they take, which of a gather are even and odd, and their names.
+macro_rules! number {
+    ($number:ident, $several:ident, $side:literal, $lanes:ident, [$($k:literal)*], [$($even:literal)*], [$($odd:literal)*],
+        $splat:ident $neg:ident $sqrt:ident $add:ident $sub:ident $mul:ident $div:ident $greater:ident $select:ident
+        $deinterleave:ident) => {
+        impl Lanes for $number {
+            #[inline(always)]
+            fn root(self) -> Self {
+                Self::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn all(self, x: f64) -> Self {
+                x as Self
+            }
+
+            #[inline(always)]
+            fn where_greater([a, b]: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self {
+                if a > b { then() } else { or }
+            }
+        }
+
+        impl Number for $number {
+            type Side<S: Simd> = S::$several;
+            type List = [Self; $side];
+
+            const SIDE: usize = $side;
+
+            #[inline(always)]
+            fn lanes<S: Simd>() -> usize {
+                S::$lanes
+            }
+
+            #[inline(always)]
+            fn nearest(x: f64) -> Self {
+                x as Self
+            }
+
+            #[inline(always)]
+            fn gather<S: Simd>(_: S, of: impl Fn(usize) -> Self) -> S::$several {
+                bytemuck::cast([$(of($k)),*])
+            }
+
+            #[inline(always)]
+            fn gather_pairs<S: Simd>(simd: S, of: impl Fn(usize) -> [Self; 2]) -> [S::$several; 2] {
+                simd.$deinterleave([bytemuck::cast([$(of($even)),*]), bytemuck::cast([$(of($odd)),*])])
+            }
+
+            #[inline(always)]
+            fn list<S: Simd>(of: S::$several) -> Self::List {
+                bytemuck::cast(of)
+            }
+
+            #[inline(always)]
+            fn repeated<S: Simd>(simd: S, x: Self) -> S::$several {
+                simd.$splat(x)
+            }
+
+            #[inline(always)]
+            fn negated<S: Simd>(simd: S, a: S::$several) -> S::$several {
+                simd.$neg(a)
+            }
+
+            #[inline(always)]
+            fn roots<S: Simd>(simd: S, a: S::$several) -> S::$several {
+                simd.$sqrt(a)
+            }
+
+            #[inline(always)]
+            fn sum<S: Simd>(simd: S, a: S::$several, b: S::$several) -> S::$several {
+                simd.$add(a, b)
+            }
+
+            #[inline(always)]
+            fn difference<S: Simd>(simd: S, a: S::$several, b: S::$several) -> S::$several {
+                simd.$sub(a, b)
+            }
+
+            #[inline(always)]
+            fn product<S: Simd>(simd: S, a: S::$several, b: S::$several) -> S::$several {
+                simd.$mul(a, b)
+            }
+
+            #[inline(always)]
+            fn quotient<S: Simd>(simd: S, a: S::$several, b: S::$several) -> S::$several {
+                simd.$div(a, b)
+            }
+
+            #[inline(always)]
+            fn where_above<S: Simd>(
+                simd: S,
+                [a, b]: [S::$several; 2],
+                then: S::$several,
+                or: S::$several,
+            ) -> S::$several {
+                simd.$select(simd.$greater(a, b), then, or)
+            }
+        }
+    };
+}
+
+number!(
+    f64, f64s, 4, F64_LANES, [0 1 2 3], [0 2], [1 3],
+    splat_f64s neg_f64s sqrt_f64s add_f64s sub_f64s mul_f64s div_f64s greater_than_f64s select_f64s deinterleave_shfl_f64s
+);
+number!(
+    f32, f32s, 8, F32_LANES, [0 1 2 3 4 5 6 7], [0 2 4 6], [1 3 5 7],
+    splat_f32s neg_f32s sqrt_f32s add_f32s sub_f32s mul_f32s div_f32s greater_than_f32s select_f32s deinterleave_shfl_f32s
+);
+
+/// Several numbers, on a processor whose instructions take as many.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Four<S: Simd> {
+pub(crate) struct Side<S: Simd, N: Number> {
     simd: S,
-    numbers: S::f64s,
+    numbers: N::Side<S>,
 }
 
-impl<S: Simd> Four<S> {
-    /// The numbers `of` 0 to 3. It panics where [`Simd::F64_LANES`] is not 4: who calls it has asked.
+impl<S: Simd, N: Number> Side<S, N> {
+    /// The numbers `of` each. It panics where [`Number::lanes`] is not [`Number::SIDE`]: who calls it has asked.
     #[inline(always)]
-    pub(crate) fn new(simd: S, of: impl Fn(usize) -> f64) -> Self {
-        Self { simd, numbers: bytemuck::cast([of(0), of(1), of(2), of(3)]) }
+    pub(crate) fn new(simd: S, of: impl Fn(usize) -> N) -> Self {
+        Self { simd, numbers: N::gather(simd, of) }
     }
 
-    /// The first numbers `of` 0 to 3, and the second: where the two of each lie side by side in memory, two shuffles in the place of
-    /// six. On 2,799 contacts between spheres with friction a visit takes 15.6 ns so, and 20.3 number by number.
+    /// The first numbers `of` each, and the second. On 2,799 contacts between spheres with friction a visit takes 15.6 ns so, and 20.3
+    /// number by number.
     #[inline(always)]
-    pub(crate) fn pair(simd: S, of: impl Fn(usize) -> [f64; 2]) -> [Self; 2] {
-        let beside = |[a, b]: [f64; 2], [c, d]: [f64; 2]| Self::new(simd, |n| [a, b, c, d][n]).numbers;
-        let pairs = [beside(of(0), of(2)), beside(of(1), of(3))];
-        simd.deinterleave_shfl_f64s(pairs).map(|numbers| Self { simd, numbers })
+    pub(crate) fn pair(simd: S, of: impl Fn(usize) -> [N; 2]) -> [Self; 2] {
+        N::gather_pairs(simd, of).map(|numbers| Self { simd, numbers })
     }
 
-    /// Four vectors, of 0 to 3.
+    /// The vectors `of` each.
     #[inline(always)]
-    pub(crate) fn vector(simd: S, of: impl Fn(usize) -> [f64; 3]) -> Vector3<Self> {
+    pub(crate) fn vector(simd: S, of: impl Fn(usize) -> [N; 3]) -> Vector3<Self> {
         let [x, y] = Self::pair(simd, |k| [of(k)[0], of(k)[1]]);
         Vector3::new(x, y, Self::new(simd, |k| of(k)[2]))
     }
 
-    /// The four vectors one by one.
+    /// Returns the vectors one by one.
     #[inline(always)]
-    pub(crate) fn apart(of: Vector3<Self>) -> [Vector3<f64>; 4] {
-        let (x, y, z) = (of.x.numbers(), of.y.numbers(), of.z.numbers());
-        let vector = |k: usize| Vector3::new(x[k], y[k], z[k]);
-        [vector(0), vector(1), vector(2), vector(3)]
-    }
-
-    #[inline(always)]
-    fn numbers(self) -> [f64; 4] {
-        bytemuck::cast(self.numbers)
+    pub(crate) fn apart(of: Vector3<Self>) -> impl Fn(usize) -> Vector3<N> {
+        let [x, y, z] = [of.x, of.y, of.z].map(|numbers| N::list(numbers.numbers));
+        move |k| Vector3::new(x.as_ref()[k], y.as_ref()[k], z.as_ref()[k])
     }
 }
 
-impl<S: Simd> PartialEq for Four<S> {
+impl<S: Simd, N: Number> PartialEq for Side<S, N> {
     fn eq(&self, other: &Self) -> bool {
-        self.numbers() == other.numbers()
+        N::list(self.numbers).as_ref() == N::list(other.numbers).as_ref()
     }
 }
 
-impl<S: Simd> Lanes for Four<S> {
+impl<S: Simd, N: Number> Lanes for Side<S, N> {
     #[inline(always)]
     fn root(self) -> Self {
-        Self { numbers: self.simd.sqrt_f64s(self.numbers), ..self }
+        Self { numbers: N::roots(self.simd, self.numbers), ..self }
     }
 
     #[inline(always)]
     fn all(self, x: f64) -> Self {
-        Self { numbers: self.simd.splat_f64s(x), ..self }
+        Self { numbers: N::repeated(self.simd, N::nearest(x)), ..self }
     }
 
     #[inline(always)]
     fn where_greater([a, b]: [Self; 2], then: impl FnOnce() -> Self, or: Self) -> Self {
-        let greater = a.simd.greater_than_f64s(a.numbers, b.numbers);
-        Self { numbers: a.simd.select_f64s(greater, then().numbers, or.numbers), ..a }
+        Self { numbers: N::where_above(a.simd, [a.numbers, b.numbers], then().numbers, or.numbers), ..a }
     }
 }
 
-impl<S: Simd> Neg for Four<S> {
+impl<S: Simd, N: Number> Neg for Side<S, N> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { numbers: self.simd.neg_f64s(self.numbers), ..self }
+        Self { numbers: N::negated(self.simd, self.numbers), ..self }
     }
 }
 
 macro_rules! operation {
     ($operator:ident::$of:ident, $assigned:ident::$assign:ident, $on_all:ident) => {
-        impl<S: Simd> $operator for Four<S> {
+        impl<S: Simd, N: Number> $operator for Side<S, N> {
             type Output = Self;
 
             #[inline(always)]
             fn $of(self, other: Self) -> Self {
-                Self { numbers: self.simd.$on_all(self.numbers, other.numbers), ..self }
+                Self { numbers: N::$on_all(self.simd, self.numbers, other.numbers), ..self }
             }
         }
 
-        impl<S: Simd> $assigned for Four<S> {
+        impl<S: Simd, N: Number> $assigned for Side<S, N> {
             #[inline(always)]
             fn $assign(&mut self, other: Self) {
                 *self = (*self).$of(other);
@@ -140,7 +285,7 @@ macro_rules! operation {
     };
 }
 
-operation!(Add::add, AddAssign::add_assign, add_f64s);
-operation!(Sub::sub, SubAssign::sub_assign, sub_f64s);
-operation!(Mul::mul, MulAssign::mul_assign, mul_f64s);
-operation!(Div::div, DivAssign::div_assign, div_f64s);
+operation!(Add::add, AddAssign::add_assign, sum);
+operation!(Sub::sub, SubAssign::sub_assign, difference);
+operation!(Mul::mul, MulAssign::mul_assign, product);
+operation!(Div::div, DivAssign::div_assign, quotient);

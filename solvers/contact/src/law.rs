@@ -1,7 +1,9 @@
 //! The contact law, eq. (2): 0 ≤ v ⊥ r ≥ 0, as a fixed point; and maxima that do not hide a NaN.
 
-use crate::lanes::Lanes;
-use nalgebra::SVector;
+use crate::lanes::{Lanes, Number};
+use crate::mechanics::Numbers;
+use nalgebra::{SVector, Vector2, Vector3};
+use std::fmt::Debug;
 
 /// max(0, s), the projection on admissible impulses, which hands a NaN on instead of hiding it as `f64::max` does.
 #[inline]
@@ -30,9 +32,77 @@ pub fn change<N: Lanes>(r: N, v: N, relaxation: f64) -> N {
 /// A minimum and a maximum: which contacts slide is hard to predict, and among 202,094 contacts of discs branches took 12 of the 20 ns
 /// of a visit.
 #[inline]
-pub fn clip(s: f64, bound: f64) -> f64 {
+pub fn clip<N: Number>(s: N, bound: N) -> N {
     let below = if s > bound { bound } else { s };
     if below < -bound { -bound } else { below }
+}
+
+/// The tangential part of an impulse, or the nearest one of at most `bound` in size.
+#[expect(clippy::inline_always, reason = "else it lacks the instructions that its caller is made for")]
+#[inline(always)]
+fn clipped<N: Lanes>([first, second]: [N; 2], bound: N) -> [N; 2] {
+    let squared = first * first + second * second;
+    // A NaN is handed on.
+    let factor = N::where_greater([squared, bound * bound], || bound / squared.root(), bound.all(1.0));
+    [factor * first, factor * second]
+}
+
+/// s⁺ − s between spheres: `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius.
+/// The two lines solve (2′), since `W_αα` is diagonal and the same along both tangents.
+#[expect(clippy::inline_always, reason = "else it lacks the instructions that its caller is made for")]
+#[inline(always)]
+pub(crate) fn change_in_space<N: Lanes>(
+    s: Vector3<N>,
+    v: Vector3<N>,
+    friction: N,
+    relaxation: f64,
+) -> Vector3<N> {
+    let normal = change(s.x, v.x, relaxation);
+    let moved = s - v * v.x.all(relaxation);
+    let [first, second] = clipped([moved.y, moved.z], friction * (s.x + normal));
+    Vector3::new(normal, first - s.y, second - s.z)
+}
+
+/// Impulse at a contact in mass-scaled unknowns, with the law that it obeys.
+pub trait Lawful: Numbers {
+    /// μ √(`w_t`/`w_n`) (–); nothing without friction.
+    type Friction: Copy + Debug + PartialEq + Send + Sync;
+
+    /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
+    /// kept.
+    #[must_use]
+    fn change(self, v: Self, friction: Self::Friction, relaxation: f64) -> Self;
+}
+
+impl<N: Number> Lawful for N {
+    type Friction = ();
+
+    #[inline]
+    fn change(self, v: Self, (): (), relaxation: f64) -> Self {
+        change(self, v, relaxation)
+    }
+}
+
+impl<N: Number> Lawful for Vector2<N> {
+    type Friction = N;
+
+    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is
+    /// diagonal.
+    #[inline]
+    fn change(self, v: Self, friction: N, relaxation: f64) -> Self {
+        let normal = change(self.x, v.x, relaxation);
+        let bound = friction * (self.x + normal);
+        Self::new(normal, clip(self.y - N::nearest(relaxation) * v.y, bound) - self.y)
+    }
+}
+
+impl<N: Number> Lawful for Vector3<N> {
+    type Friction = N;
+
+    #[inline]
+    fn change(self, v: Self, friction: N, relaxation: f64) -> Self {
+        change_in_space(self, v, friction, relaxation)
+    }
 }
 
 /// The tangential part of what has its normal component first, and its size.

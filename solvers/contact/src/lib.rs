@@ -17,6 +17,7 @@ pub mod memory;
 pub mod number;
 mod operators;
 mod packing;
+pub mod precision;
 mod problem;
 mod rough;
 pub mod scaled;
@@ -34,7 +35,7 @@ pub use gauge::{ratio, zeta};
 pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
-pub use mechanics::{Column, Mass, Mechanics, Place, Touch, Vector};
+pub use mechanics::{Column, Mass, Mechanics, Numbers, Place, Touch, Vector, Visited, VisitedIn};
 pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{

@@ -5,6 +5,8 @@
 
 use crate::error::shown;
 use crate::gauge::Gauge;
+use crate::lanes::Number;
+use crate::law::Lawful;
 use crate::scaled::unscale;
 use crate::sweep::{Row, TOGETHER, look_then_push};
 use bytemuck::Pod;
@@ -23,7 +25,7 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Inertia of a grain: mass (kg), and moment of inertia (kg m²), if there is a spin.
     type Mass: Mass<Self::Velocity>;
     /// Impulse at a contact (N·s), or relative velocity there (m/s).
-    type Impulse: Vector;
+    type Impulse: Vector + Lawful;
     /// One contact of a problem.
     type Contact: Touch<Self>;
     /// One contact in mass-scaled unknowns.
@@ -41,23 +43,14 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     const HAS_ONE_VELOCITY: bool;
 }
 
-/// A short list of numbers that are added up and scaled together.
+/// A short list of numbers that are added up and scaled together, in double precision.
 pub trait Vector:
-    Copy
-    + Debug
-    + PartialEq
-    + Send
-    + Sync
+    Numbers<Number = f64, Double = Self>
     + Sum
-    + Add<Output = Self>
-    + Sub<Output = Self>
     + Neg<Output = Self>
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
-    + AddAssign
     + SubAssign
-    + Pod
-    + 'static
 {
     /// Number of components.
     const LEN: usize;
@@ -94,15 +87,79 @@ pub trait Vector:
     /// Reports whether no component is infinite or NaN.
     fn is_finite(self) -> bool;
 
-    /// Puts r = s/unit of each of some `contacts` of a problem into its flat list.
-    fn unscale((s, unit): (&[Self], &[Self]), contacts: &[u32], r: &mut [f64]) {
-        for ((s, unit), contact) in s.iter().zip(unit).zip(contacts) {
-            s.with(*unit, |s, unit| s / unit).put(r, *contact as usize);
-        }
-    }
-
     /// As it is shown in an error.
     fn text(self) -> String;
+}
+
+/// A short list of numbers of one precision, as a sweep adds and scales them.
+pub trait Numbers:
+    Copy + Debug + PartialEq + Send + Sync + Add<Output = Self> + Sub<Output = Self> + AddAssign + Pod
+{
+    /// One of them.
+    type Number: Number;
+    /// List of them in double precision.
+    type Double: Vector;
+
+    /// Returns the numbers, so many `times`.
+    #[must_use]
+    fn scaled(self, times: Self::Number) -> Self;
+
+    /// Returns the list in double precision.
+    fn double(self) -> Self::Double;
+
+    /// Returns the nearest list of this precision.
+    fn nearest(double: Self::Double) -> Self;
+
+    /// Puts r = s/unit of each of some `contacts` of a problem into its flat list.
+    fn unscale((s, unit): (&[Self], &[Self::Double]), contacts: &[u32], r: &mut [f64]) {
+        for ((s, unit), contact) in s.iter().zip(unit).zip(contacts) {
+            s.double().with(*unit, |s, unit| s / unit).put(r, *contact as usize);
+        }
+    }
+}
+
+impl<N: Number> Numbers for N {
+    type Number = N;
+    type Double = f64;
+
+    #[inline]
+    fn scaled(self, times: N) -> N {
+        self * times
+    }
+
+    #[inline]
+    fn double(self) -> f64 {
+        self.into()
+    }
+
+    #[inline]
+    fn nearest(double: f64) -> N {
+        Number::nearest(double)
+    }
+
+    fn unscale(scaled: (&[N], &[f64]), contacts: &[u32], r: &mut [f64]) {
+        unscale(scaled, contacts, r);
+    }
+}
+
+impl<T: Number, const N: usize> Numbers for SVector<T, N> {
+    type Number = T;
+    type Double = SVector<f64, N>;
+
+    #[inline]
+    fn scaled(self, times: T) -> Self {
+        self * times
+    }
+
+    #[inline]
+    fn double(self) -> SVector<f64, N> {
+        self.map(Into::into)
+    }
+
+    #[inline]
+    fn nearest(double: SVector<f64, N>) -> Self {
+        double.map(Number::nearest)
+    }
 }
 
 /// A point of the plane or of space, or a direction there: x to the right, y upwards and, in space, z towards who looks.
@@ -171,10 +228,6 @@ impl Vector for f64 {
 
     fn is_finite(self) -> bool {
         Self::is_finite(self)
-    }
-
-    fn unscale(scaled: (&[Self], &[Self]), contacts: &[u32], r: &mut [f64]) {
-        unscale(scaled, contacts, r);
     }
 
     fn text(self) -> String {
@@ -296,8 +349,76 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     }
 }
 
-/// A column of H̃ = M^-½ H W_D^-½, one per unknown of the contact, and the law in these unknowns.
-pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
+/// A contact as a sweep visits it: columns of H̃ = M^-½ H W_D^-½, one per unknown, and the law in these unknowns, in one precision.
+pub trait Visited: Copy + Debug + PartialEq + Send + Sync {
+    /// y of a grain.
+    type Velocity: Numbers;
+    /// s of a contact, or its relative velocity.
+    type Impulse: Lawful;
+
+    /// Returns the places of candidate and antagonist in y; at a wall twice that of the candidate.
+    fn places(&self) -> [u32; 2];
+
+    /// H̃ᵗ y of the y of candidate and antagonist; the latter has no effect at a wall.
+    fn between(&self, ends: [Self::Velocity; 2]) -> Self::Impulse;
+
+    /// h̃_α s at candidate and antagonist; 0 at a wall.
+    fn pushes(&self, s: Self::Impulse) -> [Self::Velocity; 2];
+
+    /// (H̃ᵗ y)_α.
+    #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
+    #[inline(always)]
+    fn relative(&self, y: &[Self::Velocity]) -> Self::Impulse {
+        self.between(self.places().map(|place| y[place as usize]))
+    }
+
+    /// y ← y + h̃_α s.
+    #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
+    #[inline(always)]
+    fn push(&self, s: Self::Impulse, y: &mut [Self::Velocity]) {
+        let ([i, j], [candidate, antagonist]) = (self.places(), self.pushes(s));
+        y[i as usize] += candidate;
+        y[j as usize] += antagonist;
+    }
+
+    /// Returns the coefficient of friction in these unknowns, if there is friction.
+    fn coefficient(&self) -> <Self::Impulse as Lawful>::Friction;
+
+    /// s⁺ − s of the law, see [`Lawful::change`].
+    #[inline]
+    fn change(&self, s: Self::Impulse, v: Self::Impulse, relaxation: f64) -> Self::Impulse {
+        s.change(v, self.coefficient(), relaxation)
+    }
+
+    /// Visits of contacts that share no grain, with the bits of one visit after the other.
+    #[inline]
+    fn visit<S: Simd>(
+        _: S,
+        rows: &[Row<Self>; TOGETHER],
+        s: &mut [Self::Impulse; TOGETHER],
+        y: &mut [Self::Velocity],
+        relaxation: f64,
+    ) {
+        look_then_push(rows, s, y, relaxation);
+    }
+}
+
+/// A contact of a mechanics as a sweep visits it, whatever the precision.
+pub trait VisitedIn<M: Mechanics>:
+    Visited<Velocity: Numbers<Double = M::Velocity>, Impulse: Lawful<Double = M::Impulse>>
+{
+}
+
+impl<M: Mechanics, C> VisitedIn<M> for C where
+    C: Visited<Velocity: Numbers<Double = M::Velocity>, Impulse: Lawful<Double = M::Impulse>>
+{
+}
+
+/// A contact of a mechanics in mass-scaled unknowns.
+pub trait Column<M: Mechanics>: Visited<Velocity = M::Velocity, Impulse = M::Impulse> {
+    /// Column in single precision.
+    type Single: VisitedIn<M>;
+
     /// A contact between two `places` of y, or one place and a wall, with the `inverse_mass` of its grains (1/kg); and its unit:
     /// √`W_αα` (kg^-½), or 1 if it is not `scaled`.
     fn new(
@@ -307,46 +428,8 @@ pub trait Column<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
         scaled: bool,
     ) -> (Self, M::Impulse);
 
-    /// Returns the places of candidate and antagonist in y; at a wall twice that of the candidate.
-    fn places(&self) -> [u32; 2];
-
-    /// H̃ᵗ y of the y of candidate and antagonist; the latter has no effect at a wall.
-    fn between(&self, ends: [M::Velocity; 2]) -> M::Impulse;
-
-    /// h̃_α s at candidate and antagonist; 0 at a wall.
-    fn pushes(&self, s: M::Impulse) -> [M::Velocity; 2];
-
-    /// (H̃ᵗ y)_α.
-    #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
-    #[inline(always)]
-    fn relative(&self, y: &[M::Velocity]) -> M::Impulse {
-        self.between(self.places().map(|place| y[place as usize]))
-    }
-
-    /// y ← y + h̃_α s.
-    #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
-    #[inline(always)]
-    fn push(&self, s: M::Impulse, y: &mut [M::Velocity]) {
-        let ([i, j], [candidate, antagonist]) = (self.places(), self.pushes(s));
-        y[i as usize] += candidate;
-        y[j as usize] += antagonist;
-    }
-
-    /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
-    /// kept.
-    fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse;
-
-    /// Visits of contacts that share no grain, with the bits of one visit after the other.
-    #[inline]
-    fn visit<S: Simd>(
-        _: S,
-        rows: &[Row<M>; TOGETHER],
-        s: &mut [M::Impulse; TOGETHER],
-        y: &mut [M::Velocity],
-        relaxation: f64,
-    ) {
-        look_then_push(rows, s, y, relaxation);
-    }
+    /// Returns the contact in single precision.
+    fn single(&self) -> Self::Single;
 
     /// s − s⁺ of the natural map, in a form that does not cancel where s is large; a bound is that of the normal part of s itself.
     fn residual(&self, s: M::Impulse, v: M::Impulse) -> M::Impulse;

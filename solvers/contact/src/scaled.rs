@@ -8,22 +8,23 @@
 //! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
 use crate::discs::{Contact, Smooth};
+use crate::lanes::Number;
 use crate::law;
-use crate::mechanics::{Column, Mass, Mechanics, Vector};
+use crate::mechanics::{Column, Mass, Mechanics, Numbers, Vector, Visited};
 use crate::problem::ContactProblem;
 use nalgebra::SVector;
 use pulp::{Arch, Simd, WithSimd};
 
 /// A column of H̃: `normal` at the candidate, −`ratio`·`normal` at the antagonist.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScaledContact<const D: usize = 2> {
+pub struct ScaledContact<const D: usize = 2, N = f64> {
     candidate: u32,
     /// At a wall the candidate itself, which a ratio of 0 leaves out.
     antagonist: u32,
     /// n/√(`m_candidate` `W_αα`) (–).
-    normal: SVector<f64, D>,
+    normal: SVector<N, D>,
     /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
-    ratio: f64,
+    ratio: N,
 }
 
 impl<const D: usize> ScaledContact<D> {
@@ -47,7 +48,33 @@ impl<const D: usize> ScaledContact<D> {
     }
 }
 
+impl<const D: usize, N: Number> Visited for ScaledContact<D, N> {
+    type Velocity = SVector<N, D>;
+    type Impulse = N;
+
+    #[inline]
+    fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    #[inline]
+    fn between(&self, [i, j]: [SVector<N, D>; 2]) -> N {
+        self.normal.dot(&(i - j * self.ratio))
+    }
+
+    #[inline]
+    fn pushes(&self, s: N) -> [SVector<N, D>; 2] {
+        let push = self.normal * s;
+        [push, -(push * self.ratio)]
+    }
+
+    #[inline]
+    fn coefficient(&self) {}
+}
+
 impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
+    type Single = ScaledContact<D, f32>;
+
     fn new(
         contact: &Contact<D>,
         places: (u32, Option<u32>),
@@ -65,25 +92,14 @@ impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
         (column, unit)
     }
 
-    #[inline]
-    fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
-    #[inline]
-    fn between(&self, [i, j]: [SVector<f64, D>; 2]) -> f64 {
-        self.normal.dot(&(i - j * self.ratio))
-    }
-
-    #[inline]
-    fn pushes(&self, s: f64) -> [SVector<f64, D>; 2] {
-        let push = self.normal * s;
-        [push, -(push * self.ratio)]
-    }
-
-    #[inline]
-    fn change(&self, s: f64, v: f64, relaxation: f64) -> f64 {
-        law::change(s, v, relaxation)
+    fn single(&self) -> ScaledContact<D, f32> {
+        let Self { candidate, antagonist, normal, ratio } = *self;
+        ScaledContact {
+            candidate,
+            antagonist,
+            normal: Numbers::nearest(normal),
+            ratio: Numbers::nearest(ratio),
+        }
     }
 
     #[inline]
@@ -131,12 +147,12 @@ pub fn by_levels(ends: impl Iterator<Item = (u32, Option<u32>)>, places: usize) 
 }
 
 /// r = s/√`W_αα`, or whatever the `unit` is, of each of some `contacts` of a problem, in the problem's order (N·s).
-pub fn unscale(scaled: (&[f64], &[f64]), contacts: &[u32], r: &mut [f64]) {
+pub fn unscale<N: Number>(scaled: (&[N], &[f64]), contacts: &[u32], r: &mut [f64]) {
     Arch::new().dispatch(Unscale { scaled, contacts, r });
 }
 
-struct Unscale<'a> {
-    scaled: (&'a [f64], &'a [f64]),
+struct Unscale<'a, N> {
+    scaled: (&'a [N], &'a [f64]),
     contacts: &'a [u32],
     r: &'a mut [f64],
 }
@@ -144,7 +160,7 @@ struct Unscale<'a> {
 /// Divisions at the same time.
 const LANES: usize = 4;
 
-impl WithSimd for Unscale<'_> {
+impl<N: Number> WithSimd for Unscale<'_, N> {
     type Output = ();
 
     #[expect(clippy::inline_always, reason = "else the processor's instructions are not those chosen")]
@@ -154,11 +170,11 @@ impl WithSimd for Unscale<'_> {
         let ((s, last_s), (unit, last_unit)) = (s.as_chunks::<LANES>(), unit.as_chunks::<LANES>());
         let (contacts, last) = contacts.as_chunks::<LANES>();
         for ((s, unit), contacts) in s.iter().zip(unit).zip(contacts) {
-            let quotients: [f64; LANES] = std::array::from_fn(|k| s[k] / unit[k]);
+            let quotients: [f64; LANES] = std::array::from_fn(|k| s[k].into() / unit[k]);
             contacts.iter().zip(quotients).for_each(|(contact, r_of)| r[*contact as usize] = r_of);
         }
         for ((s, unit), contact) in last_s.iter().zip(last_unit).zip(last) {
-            r[*contact as usize] = s / unit;
+            r[*contact as usize] = (*s).into() / unit;
         }
     }
 }

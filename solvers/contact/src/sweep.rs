@@ -7,54 +7,60 @@
 
 use crate::acceleration::Trail;
 use crate::discs::Discs;
-use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
+use crate::lanes::Number;
+use crate::mechanics::{Column, Mass, Mechanics, Numbers, Touch, Vector, Visited, VisitedIn};
+use crate::precision::Renewal;
 use crate::problem::ContactProblem;
 use crate::scaled::{by_levels, scaled_velocity};
+use bytemuck::Zeroable;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// One contact as a sweep needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row<M: Mechanics = Discs> {
-    pub(crate) column: M::Column,
+pub struct Row<C: Visited> {
+    pub(crate) column: C,
     /// c/√`W_αα` (√J).
-    pub(crate) offset: M::Impulse,
+    pub(crate) offset: C::Impulse,
 }
 
-impl<M: Mechanics> Row<M> {
+impl<C: Visited> Row<C> {
     /// The row of a contact between two places of y, or one and a wall, and √`W_αα` (kg^-½), with the `inverse_mass` of the
     /// contact's grains (1/kg).
-    fn new(
+    fn new<M: Mechanics<Column = C>>(
         contact: &M::Contact,
         places: (u32, Option<u32>),
         inverse_mass: impl Fn(u32) -> M::Mass,
-    ) -> (Self, M::Impulse) {
-        let (column, unit) = M::Column::new(contact, places, inverse_mass, true);
+    ) -> (Self, M::Impulse)
+    where
+        C: Column<M>,
+    {
+        let (column, unit) = C::new(contact, places, inverse_mass, true);
         (Self { column, offset: contact.offset().with(unit, |c, unit| c / unit) }, unit)
     }
 
     /// (H̃ᵗ y)_α + c/√`W_αα` (√J).
     #[inline(always)]
-    pub fn relative(&self, y: &[M::Velocity]) -> M::Impulse {
+    pub fn relative(&self, y: &[C::Velocity]) -> C::Impulse {
         self.column.relative(y) + self.offset
     }
 
     /// s⁺ − s of the law, at the relative velocity v/√`W_αα` (√J).
     #[inline(always)]
-    pub fn change(&self, s: M::Impulse, v: M::Impulse, relaxation: f64) -> M::Impulse {
+    pub fn change(&self, s: C::Impulse, v: C::Impulse, relaxation: f64) -> C::Impulse {
         self.column.change(s, v, relaxation)
     }
 
     /// y ← y + h̃_α Δs.
     #[inline(always)]
-    pub fn push(&self, change: M::Impulse, y: &mut [M::Velocity]) {
+    pub fn push(&self, change: C::Impulse, y: &mut [C::Velocity]) {
         self.column.push(change, y);
     }
 
     /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`), or what the law says; V ← V + M⁻¹ `h_α` (r⁺ − r). Returns √`W_αα` (r⁺ − r)
     /// (√J).
     #[inline(always)]
-    pub fn solve(&self, s: &mut M::Impulse, y: &mut [M::Velocity], relaxation: f64) -> M::Impulse {
+    pub fn solve(&self, s: &mut C::Impulse, y: &mut [C::Velocity], relaxation: f64) -> C::Impulse {
         let change = self.change(*s, self.relative(y), relaxation);
         self.push(change, y);
         *s += change;
@@ -72,21 +78,23 @@ pub const TOGETHER: usize = 8;
 const NEAR: usize = 16 * TOGETHER;
 
 /// Contacts in the order of a sweep, with their impulses and the velocities of their grains.
-pub struct Sweep<M: Mechanics = Discs> {
+pub struct Sweep<M: Mechanics = Discs, C: VisitedIn<M> = <M as Mechanics>::Column> {
     /// In the order of the visits, like all that follows.
-    pub rows: Vec<Row<M>>,
+    pub rows: Vec<Row<C>>,
     /// The problem's contact of each row.
-    contacts: Vec<u32>,
+    pub(crate) contacts: Vec<u32>,
     /// √`W_αα` (kg^-½).
     pub unit: Vec<M::Impulse>,
     /// s = √`W_αα` r (√J).
-    pub s: Vec<M::Impulse>,
-    /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own.
-    pub y: Vec<M::Velocity>,
+    pub s: Vec<C::Impulse>,
+    /// y = M^½ (`V_free` + M⁻¹ H r) (√J), in places of its own; in mixed precision what it has gained since relative velocities were made anew.
+    pub y: Vec<C::Velocity>,
     /// Flags, one for each [`TOGETHER`] rows: true where no two share a grain; empty where visits are faster alone.
-    apart: Vec<bool>,
+    pub(crate) apart: Vec<bool>,
     /// Numbers of places in y that are visited by the end of each [`NEAR`] rows.
-    reach: Vec<u32>,
+    pub(crate) reach: Vec<u32>,
+    /// Renewal of the velocities, unless they are in double precision.
+    pub(crate) renewal: Option<Renewal<M, C>>,
 }
 
 impl<M: Mechanics> Sweep<M> {
@@ -127,6 +135,7 @@ impl<M: Mechanics> Sweep<M> {
             y,
             apart: Vec::new(),
             reach: Vec::new(),
+            renewal: None,
         };
         let mut ends = Vec::new();
         for (k, places) in contacts {
@@ -149,7 +158,9 @@ impl<M: Mechanics> Sweep<M> {
         }
         sweep
     }
+}
 
+impl<M: Mechanics, C: VisitedIn<M>> Sweep<M, C> {
     /// Contact by contact: v = Hᵗ V + c; r⁺ = max(0, r − ω v/`W_αα`); V ← V + M⁻¹ `h_α` (r⁺ − r).
     #[inline]
     pub fn forward(&mut self, relaxation: f64) {
@@ -170,7 +181,7 @@ impl<M: Mechanics> Sweep<M> {
 
     /// Visits all contacts at the velocities that it begins with, kept in `old`: v = Hᵗ `V_old` + c; r⁺ = max(0, r − ω v/`W_αα`), or
     /// what the law says; V ← V + M⁻¹ `h_α` (r⁺ − r).
-    pub fn at_once(&mut self, old: &mut [M::Velocity], relaxation: f64) {
+    pub fn at_once(&mut self, old: &mut [C::Velocity], relaxation: f64) {
         old.copy_from_slice(&self.y);
         for (row, s) in self.rows.iter().zip(&mut self.s) {
             let change = row.change(*s, row.relative(old), relaxation);
@@ -185,13 +196,13 @@ impl<M: Mechanics> Sweep<M> {
         &mut self,
         relaxation: f64,
         passes: impl Iterator<Item = bool> + Clone,
-        trail: &mut Trail<M>,
+        trail: &mut Trail<C>,
     ) {
         Arch::new().dispatch(Ahead { sweep: self, relaxation, passes, trail });
     }
 
     /// Makes an accelerated iteration that reads all velocities before it changes one: all is extrapolated, and then judged.
-    pub fn iterate_after(&mut self, trail: &mut Trail<M>, iteration: impl FnOnce(&mut Self)) {
+    pub fn iterate_after(&mut self, trail: &mut Trail<C>, iteration: impl FnOnce(&mut Self)) {
         let grains = self.y.len();
         trail.extrapolate(&mut self.y, grains);
         trail.impulses.extrapolate(&mut self.s, 0..self.rows.len());
@@ -200,19 +211,22 @@ impl<M: Mechanics> Sweep<M> {
     }
 
     /// Returns the trail of accelerated iterations that begin here; velocities are `free` without impulses (√J).
-    pub fn trail(&self, free: Vec<M::Velocity>) -> Trail<M> {
+    pub fn trail(&self, free: Vec<C::Velocity>) -> Trail<C> {
         Trail::new(&self.s, &self.y, free)
     }
 
     /// Returns the velocities y without the impulses (√J).
-    pub fn without_impulses(&self) -> Vec<M::Velocity> {
+    pub fn without_impulses(&self) -> Vec<C::Velocity> {
         let mut free = self.y.clone();
         push_all(&self.rows, &self.s, -1.0, &mut free);
         free
     }
 
     /// Makes y anew from the impulses: without the round-off of all sweeps so far.
-    pub fn renew(&mut self, trail: &Trail<M>) {
+    pub fn renew(&mut self, trail: &Trail<C>) {
+        if self.renewal.is_some() {
+            return self.refine();
+        }
         self.y.copy_from_slice(trail.free());
         push_all(&self.rows, &self.s, 1.0, &mut self.y);
     }
@@ -237,19 +251,19 @@ impl<M: Mechanics> Sweep<M> {
 
     /// Puts the impulses in the problem's order (N·s).
     pub fn impulses(&self, r: &mut [f64]) {
-        M::Impulse::unscale((&self.s, &self.unit), &self.contacts, r);
+        C::Impulse::unscale((&self.s, &self.unit), &self.contacts, r);
     }
 }
 
 /// An accelerated iteration.
-struct Ahead<'a, M: Mechanics, P> {
-    sweep: &'a mut Sweep<M>,
+struct Ahead<'a, M: Mechanics, C: VisitedIn<M>, P> {
+    sweep: &'a mut Sweep<M, C>,
     relaxation: f64,
     passes: P,
-    trail: &'a mut Trail<M>,
+    trail: &'a mut Trail<C>,
 }
 
-impl<M: Mechanics, P: Iterator<Item = bool> + Clone> WithSimd for Ahead<'_, M, P> {
+impl<M: Mechanics, C: VisitedIn<M>, P: Iterator<Item = bool> + Clone> WithSimd for Ahead<'_, M, C, P> {
     type Output = ();
 
     #[inline(always)]
@@ -268,18 +282,19 @@ impl<M: Mechanics, P: Iterator<Item = bool> + Clone> WithSimd for Ahead<'_, M, P
 }
 
 /// Adds H̃ s to velocities y, so many `times`.
-fn push_all<M: Mechanics>(rows: &[Row<M>], s: &[M::Impulse], times: f64, y: &mut [M::Velocity]) {
+pub(crate) fn push_all<C: Visited>(rows: &[Row<C>], s: &[C::Impulse], times: f64, y: &mut [C::Velocity]) {
+    let times = Number::nearest(times);
     for (row, s) in rows.iter().zip(s) {
-        row.push(*s * times, y);
+        row.push(s.scaled(times), y);
     }
 }
 
 /// One visit after the other, or `backward` from the last.
 #[inline(always)]
-fn in_turn<M: Mechanics>(
-    rows: &[Row<M>],
-    s: &mut [M::Impulse],
-    y: &mut [M::Velocity],
+fn in_turn<C: Visited>(
+    rows: &[Row<C>],
+    s: &mut [C::Impulse],
+    y: &mut [C::Velocity],
     relaxation: f64,
     backward: bool,
 ) {
@@ -297,13 +312,13 @@ fn in_turn<M: Mechanics>(
 
 /// Visits rows that share no grain: all velocities are read before any impulse is applied.
 #[inline(always)]
-pub(crate) fn look_then_push<M: Mechanics>(
-    rows: &[Row<M>; TOGETHER],
-    s: &mut [M::Impulse; TOGETHER],
-    y: &mut [M::Velocity],
+pub(crate) fn look_then_push<C: Visited>(
+    rows: &[Row<C>; TOGETHER],
+    s: &mut [C::Impulse; TOGETHER],
+    y: &mut [C::Velocity],
     relaxation: f64,
 ) {
-    let mut changes = [M::Impulse::ZERO; TOGETHER];
+    let mut changes = [C::Impulse::zeroed(); TOGETHER];
     for k in 0..TOGETHER {
         changes[k] = rows[k].change(s[k], rows[k].relative(y), relaxation);
     }
@@ -314,16 +329,16 @@ pub(crate) fn look_then_push<M: Mechanics>(
 }
 
 /// A sweep in which some visits are made at a time.
-struct Pass<'a, M: Mechanics> {
-    rows: &'a [Row<M>],
-    s: &'a mut [M::Impulse],
-    y: &'a mut [M::Velocity],
+struct Pass<'a, C: Visited> {
+    rows: &'a [Row<C>],
+    s: &'a mut [C::Impulse],
+    y: &'a mut [C::Velocity],
     apart: &'a [bool],
     relaxation: f64,
     backward: bool,
 }
 
-impl<M: Mechanics> WithSimd for Pass<'_, M> {
+impl<C: Visited> WithSimd for Pass<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -334,7 +349,7 @@ impl<M: Mechanics> WithSimd for Pass<'_, M> {
             let here = TOGETHER * k..rows.len().min(TOGETHER * (k + 1));
             let (rows, s) = (&rows[here.clone()], &mut s[here]);
             match (rows.try_into(), <&mut [_; TOGETHER]>::try_from(&mut *s)) {
-                (Ok(rows), Ok(s)) if apart[k] => M::Column::visit(simd, rows, s, y, relaxation),
+                (Ok(rows), Ok(s)) if apart[k] => C::visit(simd, rows, s, y, relaxation),
                 _ => in_turn(rows, s, y, relaxation, backward),
             }
         }

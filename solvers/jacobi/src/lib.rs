@@ -42,7 +42,7 @@ struct Run<M: Mechanics> {
     old_y: Vec<M::Velocity>,
     relaxation: f64,
     bounded: bool,
-    accelerated: Option<Accelerated<M>>,
+    accelerated: Option<Accelerated<M::Column>>,
     iterations: u64,
 }
 

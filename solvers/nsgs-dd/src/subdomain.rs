@@ -18,7 +18,7 @@ pub(crate) struct Sweeper<M: Mechanics> {
     /// Greatest |`V_E` − V̄| of the copies before they were glued, since it was last 0 (m/s).
     pub(crate) velocity_jump: f64,
     /// The iteration before, if iterations are accelerated.
-    pub(crate) trail: Option<Trail<M>>,
+    pub(crate) trail: Option<Trail<M::Column>>,
     /// y before the sweep, if all contacts are visited at it.
     pub(crate) old_y: Option<Vec<M::Velocity>>,
 }

@@ -1,6 +1,8 @@
 //! Blocks of contacts for the threads, or of the ranks, and what they exchange.
 
-use contact::{Column, ContactProblem, Discs, Mass, Mechanics, Packing, SetupError, Vector, threads};
+use contact::{
+    Column, ContactProblem, Discs, Mass, Mechanics, Numbers, Packing, SetupError, Vector, threads,
+};
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Share, Subdomain, Sums, Team};
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for

@@ -11,7 +11,7 @@ mod layout;
 pub use layout::{Columns, Layout};
 pub use partition::Subdomain;
 
-use contact::{Adjacency, Column, Discs, Mechanics, Packing, SetupError, Smooth, Vector};
+use contact::{Adjacency, Discs, Mechanics, Packing, SetupError, Smooth, Vector, Visited};
 use nalgebra::SVector;
 use pulp::Arch;
 use schemars::JsonSchema;

@@ -6,7 +6,7 @@
 
 use cholesky::General;
 use contact::scaled::scaled_velocity;
-use contact::{Column, Cone, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector};
+use contact::{Column, Cone, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector, Visited};
 use nalgebra::{Vector2, Vector3};
 
 /// Measures of the isolation of a solution from others.

@@ -3,7 +3,7 @@
 use contact::law::admissible;
 use contact::scaled::scaled_velocity;
 use contact::status::Status;
-use contact::{Column, Cone, Frictional, Mass, Mechanics, Packing, Rough, Touch, Vector};
+use contact::{Column, Cone, Frictional, Mass, Mechanics, Packing, Rough, Touch, Vector, Visited};
 use nalgebra::SVector;
 
 /// The share of the terms that make v up which is round-off (–).

@@ -4,7 +4,7 @@
 use super::layout::{ColumnOf, Layout};
 use cholesky::{Lu, OneWay, Order, Structure};
 use contact::status::{Slide, Status, unit};
-use contact::{Column, Cone, Frictional, Rough, RoughColumn, SetupError, Work};
+use contact::{Cone, Frictional, Rough, RoughColumn, SetupError, Visited, Work};
 use nalgebra::{DMatrix, DVector, Dyn, LU, SMatrix, SVector, Vector2};
 use std::sync::Arc;
 

@@ -14,7 +14,7 @@ mod tests;
 use super::layout::{Drawn, Layout, norm};
 use super::matrix::Matrix;
 use contact::status::{Status, wanted};
-use contact::{Column, SetupError, Work};
+use contact::{SetupError, Visited, Work};
 use line::{End, Line};
 use nalgebra::{Vector2, Vector3};
 

@@ -3,7 +3,7 @@
 use super::{Ends, Gauge, Sums};
 use crate::adjacency::Adjacency;
 use crate::law::greatest;
-use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector};
+use crate::mechanics::{Column, Mass, Mechanics, Touch, Vector, Visited};
 use crate::problem::ContactProblem;
 use std::ops::Range;
 

@@ -2,8 +2,9 @@
 
 use super::{Cone, Frictional, RoughContact, RoughDiscs, RoughMass};
 use crate::gauge::Scaled;
+use crate::lanes::Number;
 use crate::law;
-use crate::mechanics::{Column, Mechanics, Touch};
+use crate::mechanics::{Column, Mechanics, Numbers, Touch, Visited};
 use nalgebra::{Vector2, Vector3};
 
 impl Mechanics for RoughDiscs {
@@ -41,20 +42,20 @@ fn tangent(n: Vector2<f64>) -> Vector2<f64> {
 
 /// The two columns of H̃ of a contact: along its normal, and along its tangent with the spins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughColumn {
+pub struct RoughColumn<N = f64> {
     candidate: u32,
     /// At a wall the candidate itself, which a ratio and an arm of 0 leave out.
     antagonist: u32,
     /// n/√(`m_candidate` `w_n`) (–).
-    normal: Vector2<f64>,
+    normal: Vector2<N>,
     /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
-    ratio: f64,
+    ratio: N,
     /// √(`w_n`/`w_t`) (–).
-    slant: f64,
+    slant: N,
     /// `R_i`/√(`I_i` `w_t`), and of j likewise (–); 0 at a wall.
-    arms: [f64; 2],
+    arms: [N; 2],
     /// μ √(`w_t`/`w_n`) (–): a circular cone stays circular.
-    friction: f64,
+    friction: N,
 }
 
 impl Cone for RoughColumn {
@@ -64,7 +65,43 @@ impl Cone for RoughColumn {
     }
 }
 
+impl<N: Number> Visited for RoughColumn<N> {
+    type Velocity = Vector3<N>;
+    type Impulse = Vector2<N>;
+
+    #[inline]
+    fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    #[inline]
+    fn between(&self, [i, j]: [Vector3<N>; 2]) -> Vector2<N> {
+        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
+        let normal = self.normal.x * x + self.normal.y * y;
+        let across = self.normal.x * y - self.normal.y * x;
+        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
+    }
+
+    #[inline]
+    fn pushes(&self, s: Vector2<N>) -> [Vector3<N>; 2] {
+        let along = self.slant * s.y;
+        let (x, y) =
+            (self.normal.x * s.x - self.normal.y * along, self.normal.y * s.x + self.normal.x * along);
+        [
+            Vector3::new(x, y, -(self.arms[0] * s.y)),
+            Vector3::new(-(self.ratio * x), -(self.ratio * y), -(self.arms[1] * s.y)),
+        ]
+    }
+
+    #[inline]
+    fn coefficient(&self) -> N {
+        self.friction
+    }
+}
+
 impl Column<RoughDiscs> for RoughColumn {
+    type Single = RoughColumn<f32>;
+
     fn new(
         contact: &RoughContact,
         places: (u32, Option<u32>),
@@ -88,37 +125,16 @@ impl Column<RoughDiscs> for RoughColumn {
         (column, unit)
     }
 
-    #[inline]
-    fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
-    #[inline]
-    fn between(&self, [i, j]: [Vector3<f64>; 2]) -> Vector2<f64> {
-        let (x, y) = (i.x - self.ratio * j.x, i.y - self.ratio * j.y);
-        let normal = self.normal.x * x + self.normal.y * y;
-        let across = self.normal.x * y - self.normal.y * x;
-        Vector2::new(normal, self.slant * across - (self.arms[0] * i.z + self.arms[1] * j.z))
-    }
-
-    #[inline]
-    fn pushes(&self, s: Vector2<f64>) -> [Vector3<f64>; 2] {
-        let along = self.slant * s.y;
-        let (x, y) =
-            (self.normal.x * s.x - self.normal.y * along, self.normal.y * s.x + self.normal.x * along);
-        [
-            Vector3::new(x, y, -(self.arms[0] * s.y)),
-            Vector3::new(-(self.ratio * x), -(self.ratio * y), -(self.arms[1] * s.y)),
-        ]
-    }
-
-    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is
-    /// diagonal.
-    #[inline]
-    fn change(&self, s: Vector2<f64>, v: Vector2<f64>, relaxation: f64) -> Vector2<f64> {
-        let normal = law::change(s.x, v.x, relaxation);
-        let bound = self.friction * (s.x + normal);
-        Vector2::new(normal, law::clip(s.y - relaxation * v.y, bound) - s.y)
+    fn single(&self) -> RoughColumn<f32> {
+        RoughColumn {
+            candidate: self.candidate,
+            antagonist: self.antagonist,
+            normal: Numbers::nearest(self.normal),
+            ratio: Numbers::nearest(self.ratio),
+            slant: Numbers::nearest(self.slant),
+            arms: self.arms.map(Numbers::nearest),
+            friction: Numbers::nearest(self.friction),
+        }
     }
 
     #[inline]

@@ -6,6 +6,7 @@ pub use column::SphereColumn;
 
 use super::{Frictional, RoughContact, RoughMass, RoughSpheres};
 use crate::gauge::Scaled;
+use crate::lanes::Number;
 use crate::mechanics::Mechanics;
 use nalgebra::{Vector3, Vector6};
 
@@ -38,12 +39,12 @@ pub fn frame(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
 
 /// Translation and spin.
 #[inline]
-fn parts(v: &Vector6<f64>) -> [Vector3<f64>; 2] {
+fn parts<N: Number>(v: &Vector6<N>) -> [Vector3<N>; 2] {
     [Vector3::new(v[0], v[1], v[2]), Vector3::new(v[3], v[4], v[5])]
 }
 
 #[inline]
-fn joined(translation: Vector3<f64>, spin: Vector3<f64>) -> Vector6<f64> {
+fn joined<N: Number>(translation: Vector3<N>, spin: Vector3<N>) -> Vector6<N> {
     Vector6::new(translation.x, translation.y, translation.z, spin.x, spin.y, spin.z)
 }
 

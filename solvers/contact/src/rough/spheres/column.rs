@@ -6,9 +6,9 @@
 )]
 
 use super::{frame, joined, parts};
-use crate::lanes::{Four, Lanes};
+use crate::lanes::{Lanes, Number, Side};
 use crate::law;
-use crate::mechanics::{Column, Touch};
+use crate::mechanics::{Column, Numbers, Touch, Visited};
 use crate::rough::{Cone, RoughContact, RoughMass, RoughSpheres};
 use crate::sweep::{Row, TOGETHER, look_then_push};
 use nalgebra::{Vector3, Vector6};
@@ -16,16 +16,16 @@ use pulp::Simd;
 
 /// The three columns of H̃ of a contact: along its normal, and along its tangents with the spins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereColumn {
+pub struct SphereColumn<N = f64> {
     candidate: u32,
     /// At a wall the candidate itself, which a ratio and an arm of 0 leave out.
     antagonist: u32,
-    columns: Columns,
+    columns: Columns<N>,
 }
 
 const _: () = assert!(size_of::<SphereColumn>() == 128);
 
-/// Coefficients of the equations of a contact; or of four, where `N` is [`Four`]. They lie in this order, since four contacts are
+/// Coefficients of the equations of a contact; or of several, where `N` is [`Side`]. They lie in this order, since several contacts are
 /// read by pairs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,15 +49,6 @@ fn dot<N: Lanes>(a: &Vector3<N>, b: &Vector3<N>) -> N {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-/// The tangential part of an impulse, or the nearest one of at most `bound` in size.
-#[inline(always)]
-fn clipped<N: Lanes>([first, second]: [N; 2], bound: N) -> [N; 2] {
-    let squared = first * first + second * second;
-    // A NaN is handed on.
-    let factor = N::where_greater([squared, bound * bound], || bound / squared.root(), bound.all(1.0));
-    [factor * first, factor * second]
-}
-
 impl<N: Lanes> Columns<N> {
     /// H̃ᵗ y of [translation, spin] in the y of candidate and antagonist; the latter has no effect at a wall.
     #[inline(always)]
@@ -67,16 +58,6 @@ impl<N: Lanes> Columns<N> {
         let slip = apart * self.roots[1] - spins.cross(&self.normal);
         let [first, second] = &self.tangents;
         Vector3::new(self.roots[0] * dot(&self.normal, &apart), dot(first, &slip), dot(second, &slip))
-    }
-
-    /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`) to the disc of that radius: the two lines
-    /// solve (2′), since `W_αα` is diagonal and the same along both tangents.
-    #[inline(always)]
-    fn change(&self, s: Vector3<N>, v: Vector3<N>, relaxation: f64) -> Vector3<N> {
-        let normal = law::change(s.x, v.x, relaxation);
-        let moved = s - v * v.x.all(relaxation);
-        let [first, second] = clipped([moved.y, moved.z], self.friction * (s.x + normal));
-        Vector3::new(normal, first - s.y, second - s.z)
     }
 
     /// h̃ s of an impulse s, as [translation, spin] of the candidate and of the antagonist: 0 at a wall.
@@ -90,11 +71,11 @@ impl<N: Lanes> Columns<N> {
     }
 }
 
-impl<S: Simd> Columns<Four<S>> {
+impl<S: Simd, N: Number> Columns<Side<S, N>> {
     #[inline(always)]
-    fn new(simd: S, rows: &[Row<RoughSpheres>; 4]) -> Self {
+    fn new(simd: S, rows: &[Row<SphereColumn<N>>]) -> Self {
         let of = |k: usize| &rows[k].column.columns;
-        let pair = |numbers: fn(&Columns) -> [f64; 2]| Four::pair(simd, |k| numbers(of(k)));
+        let pair = |numbers: fn(&Columns<N>) -> [N; 2]| Side::pair(simd, |k| numbers(of(k)));
         let [n_x, n_y] = pair(|of| [of.normal.x, of.normal.y]);
         let [n_z, first_x] = pair(|of| [of.normal.z, of.tangents[0].x]);
         let [first_y, first_z] = pair(|of| [of.tangents[0].y, of.tangents[0].z]);
@@ -107,7 +88,7 @@ impl<S: Simd> Columns<Four<S>> {
             roots: [of_normal, of_tangents],
             ratio,
             arms: pair(|of| of.arms),
-            friction: Four::new(simd, |k| of(k).friction),
+            friction: Side::new(simd, |k| of(k).friction),
         }
     }
 }
@@ -119,7 +100,51 @@ impl Cone for SphereColumn {
     }
 }
 
+impl<N: Number> Visited for SphereColumn<N> {
+    type Velocity = Vector6<N>;
+    type Impulse = Vector3<N>;
+
+    #[inline]
+    fn places(&self) -> [u32; 2] {
+        [self.candidate, self.antagonist]
+    }
+
+    #[inline(always)]
+    fn between(&self, ends: [Vector6<N>; 2]) -> Vector3<N> {
+        self.columns.between(ends.map(|y| parts(&y)))
+    }
+
+    #[inline(always)]
+    fn pushes(&self, s: Vector3<N>) -> [Vector6<N>; 2] {
+        self.columns.at_ends(s).map(|[translation, spin]| joined(translation, spin))
+    }
+
+    #[inline(always)]
+    fn coefficient(&self) -> N {
+        self.columns.friction
+    }
+
+    #[inline(always)]
+    fn visit<S: Simd>(
+        simd: S,
+        rows: &[Row<Self>; TOGETHER],
+        s: &mut [Vector3<N>; TOGETHER],
+        y: &mut [Vector6<N>],
+        relaxation: f64,
+    ) {
+        if N::lanes::<S>() != N::SIDE {
+            return look_then_push(rows, s, y, relaxation);
+        }
+        const { assert!(TOGETHER.is_multiple_of(N::SIDE), "a remainder would not be visited") };
+        for (rows, s) in rows.chunks_exact(N::SIDE).zip(s.chunks_exact_mut(N::SIDE)) {
+            visit_several(simd, rows, s, y, relaxation);
+        }
+    }
+}
+
 impl Column<RoughSpheres> for SphereColumn {
+    type Single = SphereColumn<f32>;
+
     fn new(
         contact: &RoughContact<3>,
         places: (u32, Option<u32>),
@@ -142,41 +167,17 @@ impl Column<RoughSpheres> for SphereColumn {
         (Self { candidate: places.0, antagonist: places.1.unwrap_or(places.0), columns }, unit)
     }
 
-    #[inline]
-    fn places(&self) -> [u32; 2] {
-        [self.candidate, self.antagonist]
-    }
-
-    #[inline(always)]
-    fn between(&self, ends: [Vector6<f64>; 2]) -> Vector3<f64> {
-        self.columns.between(ends.map(|y| parts(&y)))
-    }
-
-    #[inline(always)]
-    fn pushes(&self, s: Vector3<f64>) -> [Vector6<f64>; 2] {
-        self.columns.at_ends(s).map(|[translation, spin]| joined(translation, spin))
-    }
-
-    #[inline]
-    fn change(&self, s: Vector3<f64>, v: Vector3<f64>, relaxation: f64) -> Vector3<f64> {
-        self.columns.change(s, v, relaxation)
-    }
-
-    #[inline(always)]
-    fn visit<S: Simd>(
-        simd: S,
-        rows: &[Row<RoughSpheres>; TOGETHER],
-        s: &mut [Vector3<f64>; TOGETHER],
-        y: &mut [Vector6<f64>],
-        relaxation: f64,
-    ) {
-        if S::F64_LANES != 4 {
-            return look_then_push(rows, s, y, relaxation);
-        }
-        const { assert!(TOGETHER.is_multiple_of(4), "a remainder would not be visited") };
-        for (rows, s) in rows.as_chunks().0.iter().zip(s.as_chunks_mut().0) {
-            visit_four(simd, rows, s, y, relaxation);
-        }
+    fn single(&self) -> SphereColumn<f32> {
+        let Self { candidate, antagonist, columns } = self;
+        let columns = Columns {
+            normal: Numbers::nearest(columns.normal),
+            tangents: columns.tangents.map(Numbers::nearest),
+            roots: columns.roots.map(Numbers::nearest),
+            ratio: Numbers::nearest(columns.ratio),
+            arms: columns.arms.map(Numbers::nearest),
+            friction: Numbers::nearest(columns.friction),
+        };
+        SphereColumn { candidate: *candidate, antagonist: *antagonist, columns }
     }
 
     #[inline]
@@ -200,38 +201,42 @@ impl Column<RoughSpheres> for SphereColumn {
     }
 }
 
-/// Translation and spin of each of four velocities.
+/// Translation and spin of each of several velocities.
 #[inline(always)]
-fn four<'y, S: Simd>(simd: S, of: impl Fn(usize) -> &'y Vector6<f64>) -> [Vector3<Four<S>>; 2] {
-    let [a, b] = Four::pair(simd, |k| [of(k)[0], of(k)[1]]);
-    let [c, d] = Four::pair(simd, |k| [of(k)[2], of(k)[3]]);
-    let [e, f] = Four::pair(simd, |k| [of(k)[4], of(k)[5]]);
+fn several<'y, S: Simd, N: Number>(
+    simd: S,
+    of: impl Fn(usize) -> &'y Vector6<N>,
+) -> [Vector3<Side<S, N>>; 2] {
+    let [a, b] = Side::pair(simd, |k| [of(k)[0], of(k)[1]]);
+    let [c, d] = Side::pair(simd, |k| [of(k)[2], of(k)[3]]);
+    let [e, f] = Side::pair(simd, |k| [of(k)[4], of(k)[5]]);
     [Vector3::new(a, b, c), Vector3::new(d, e, f)]
 }
 
-/// Four visits at once.
+/// [`Number::SIDE`] visits at once.
 #[inline(always)]
-fn visit_four<S: Simd>(
+fn visit_several<S: Simd, N: Number>(
     simd: S,
-    rows: &[Row<RoughSpheres>; 4],
-    s: &mut [Vector3<f64>; 4],
-    y: &mut [Vector6<f64>],
+    rows: &[Row<SphereColumn<N>>],
+    s: &mut [Vector3<N>],
+    y: &mut [Vector6<N>],
     relaxation: f64,
 ) {
     let i = |k: usize| rows[k].column.candidate as usize;
     let j = |k: usize| rows[k].column.antagonist as usize;
     let columns = Columns::new(simd, rows);
-    let ends = [four(simd, |k| &y[i(k)]), four(simd, |k| &y[j(k)])];
-    let v = columns.between(ends) + Four::vector(simd, |k| rows[k].offset.into());
-    let before = Four::vector(simd, |k| s[k].into());
-    let change = columns.change(before, v, relaxation);
-    *s = Four::apart(before + change);
+    let ends = [several(simd, |k| &y[i(k)]), several(simd, |k| &y[j(k)])];
+    let v = columns.between(ends) + Side::vector(simd, |k| rows[k].offset.into());
+    let before = Side::vector(simd, |k| s[k].into());
+    let change = law::change_in_space(before, v, columns.friction, relaxation);
+    let after = Side::apart(before + change);
     let [[push_i, turn_i], [push_j, turn_j]] = columns.at_ends(change);
-    let of_i = (Four::apart(push_i), Four::apart(turn_i));
-    let of_j = (Four::apart(push_j), Four::apart(turn_j));
-    for k in 0..4 {
-        y[i(k)] += joined(of_i.0[k], of_i.1[k]);
-        y[j(k)] += joined(of_j.0[k], of_j.1[k]);
+    let of_i = (Side::apart(push_i), Side::apart(turn_i));
+    let of_j = (Side::apart(push_j), Side::apart(turn_j));
+    for k in 0..N::SIDE {
+        s[k] = after(k);
+        y[i(k)] += joined(of_i.0(k), of_i.1(k));
+        y[j(k)] += joined(of_j.0(k), of_j.1(k));
     }
 }
 

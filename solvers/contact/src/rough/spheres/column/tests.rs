@@ -5,13 +5,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Visits at once, with whatever instructions this processor has.
-struct Visits<'a> {
-    rows: &'a [Row<RoughSpheres>; TOGETHER],
-    s: &'a mut [Vector3<f64>; TOGETHER],
-    y: &'a mut [Vector6<f64>],
+struct Visits<'a, N: Number> {
+    rows: &'a [Row<SphereColumn<N>>; TOGETHER],
+    s: &'a mut [Vector3<N>; TOGETHER],
+    y: &'a mut [Vector6<N>],
 }
 
-impl WithSimd for Visits<'_> {
+impl<N: Number> WithSimd for Visits<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -21,7 +21,7 @@ impl WithSimd for Visits<'_> {
 }
 
 /// Contacts between grains 2 k and 2 k + 1, every third with a wall.
-fn row(k: usize, next: &mut impl FnMut() -> f64) -> Row<RoughSpheres> {
+fn row(k: usize, next: &mut impl FnMut() -> f64) -> Row<SphereColumn> {
     let (candidate, has_antagonist) = (2 * k as u32, !k.is_multiple_of(3));
     let contact = RoughContact {
         candidate,
@@ -36,11 +36,13 @@ fn row(k: usize, next: &mut impl FnMut() -> f64) -> Row<RoughSpheres> {
     Row { column, offset: Vector3::new(next(), next(), next()) }
 }
 
-#[test]
-fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
+/// Visits of one precision, each row of which is made of one in double precision.
+fn assert_visits_at_once_have_the_bits_of_visits_one_by_one<N: Number>(
+    precise: impl Fn(Row<SphereColumn>) -> Row<SphereColumn<N>>,
+) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut next = || rng.random_range(-1.0..1.0);
-    let rows: [_; TOGETHER] = std::array::from_fn(|k| row(k, &mut next));
+    let rows: [_; TOGETHER] = std::array::from_fn(|k| precise(row(k, &mut next)));
     let odd = [0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
     let (mut slid, mut stuck) = (0, 0);
     for trial in 0..5000 {
@@ -48,7 +50,7 @@ fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
         let plain = trial % 2 == 0;
         let mut number = || {
             let x = next();
-            if plain || x < 0.8 { x } else { odd[(1e6 * x) as usize % odd.len()] }
+            N::nearest(if plain || x < 0.8 { x } else { odd[(1e6 * x) as usize % odd.len()] })
         };
         let mut vector = || Vector3::new(number(), number(), number());
         let mut s: [_; TOGETHER] = std::array::from_fn(|_| vector() + Vector3::x());
@@ -56,7 +58,8 @@ fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
         let (mut s_alone, mut y_alone) = (s, y.clone());
         for (row, s) in rows.iter().zip(&mut s_alone) {
             row.solve(s, &mut y_alone, 0.9);
-            let bound = row.column.friction() * s.x;
+            let s = s.double();
+            let bound = row.column.coefficient().into() * s.x;
             let sticks = s.yz().norm() < 0.999 * bound;
             stuck += u32::from(plain && sticks);
             slid += u32::from(plain && s.x > 0.0 && !sticks);
@@ -64,10 +67,20 @@ fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
         Arch::new().dispatch(Visits { rows: &rows, s: &mut s, y: &mut y });
         let numbers = s.iter().flatten().chain(y.iter().flatten());
         for (x, alone) in numbers.zip(s_alone.iter().flatten().chain(y_alone.iter().flatten())) {
+            let [x, alone]: [f64; 2] = [*x, *alone].map(Into::into);
             assert!(x.to_bits() == alone.to_bits() || x.is_nan() && alone.is_nan(), "{x} {alone}");
         }
     }
     assert!(slid > 1000 && stuck > 1000, "{slid} slid and {stuck} stuck");
+}
+
+#[test]
+fn visits_at_once_have_the_bits_of_visits_one_by_one_whatever_the_numbers() {
+    assert_visits_at_once_have_the_bits_of_visits_one_by_one(|row| row);
+    assert_visits_at_once_have_the_bits_of_visits_one_by_one(|row| Row {
+        column: row.column.single(),
+        offset: Numbers::nearest(row.offset),
+    });
 }
 
 /// s − s⁺ is v, or what of v is at a right angle to a sliding s, however large s is.
