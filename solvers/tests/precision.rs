@@ -64,11 +64,11 @@ fn assert_ends_at_round_off<M: Mechanics>(problem: &Packing<M>) {
     let expected = round_off(problem, &outcome.impulses);
     println!("{}: least {least:e}, expected {expected:e}, {:e}", M::NAME, least / expected);
     assert_eq!(outcome.status, Status::IterationLimit, "{}", M::NAME);
-    assert!(least > expected && least < 300.0 * expected, "{}: {least:e} for {expected:e}", M::NAME);
+    assert!(least > expected / 10.0 && least < 10.0 * expected, "{}: {least:e} for {expected:e}", M::NAME);
     assert!(least > 1e-9 && least < 1e-4, "{}: {least:e}", M::NAME);
 }
 
-/// A visit rounds s and y, by ε |s| each at a time, and the errors of many visits add up.
+/// A visit cannot change s by less than ε |s|, so that what it would change stays: within a factor of ten of that.
 #[test]
 fn single_precision_ends_at_its_round_off() {
     assert_ends_at_round_off::<Discs>(&packing("settled-60"));

@@ -69,7 +69,7 @@ impl<C: Visited> Row<C> {
 }
 
 /// Number of visits made at a time, where no two of them share a grain. A visit is a chain of operations, each of which waits for
-/// the one before; a processor that has several of them at hand waits less, and [`Column::visit`] may compute some at once. When it was
+/// the one before; a processor that has several of them at hand waits less, and [`Visited::visit`] may compute some at once. When it was
 /// chosen, on 8,476 contacts between spheres with friction, a visit took 13.4 ns, in fours 15.9, in sixteens 13.0, of which small
 /// subdomains have few; without AVX2 17.4; alone, 21.7.
 pub const TOGETHER: usize = 8;
