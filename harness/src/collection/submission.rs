@@ -167,6 +167,10 @@ impl Submission {
             }
         };
         let natural_map = verified.natural_map;
+        ensure!(
+            natural_map.is_finite(),
+            "`impulse`: its natural map is {natural_map}: the impulses are beyond all measure"
+        );
         let nothing = vec![0.0; wanted];
         let of_nothing = match posed {
             Posed::Grains(problem) => problem.measures(&[], &nothing).natural_map,
@@ -175,10 +179,6 @@ impl Submission {
         ensure!(
             natural_map < of_nothing || natural_map == 0.0,
             "`impulse`: its natural map is {natural_map:e}, and that of no impulses {of_nothing:e}: it is no answer"
-        );
-        ensure!(
-            natural_map.is_finite(),
-            "`impulse`: its natural map is {natural_map}: the impulses are beyond all measure"
         );
         if let Some(claimed) = self.claimed.natural_map
             && !agree(claimed, natural_map)

@@ -51,6 +51,25 @@ fn opened(study: &Study, id: &str) {
     study.gravel(&["collection", "check"]).succeeded();
 }
 
+/// A plan takes problems of the collection by their names.
+#[test]
+fn plan_takes_what_is_collected_by_pattern() {
+    let (study, _) = with_pair();
+    let of = |pattern: &str| {
+        let methods = "[[methods]]\nmethod = \"nsgs\"\n";
+        let text = crate::bench::plan("collected", &[], methods)
+            .replace("problems = []", &format!("collected = [{pattern:?}]"));
+        write(study.folder(), "harness/plans/collected.toml", &text);
+    };
+    of("pai*");
+    let rows = crate::bench::rows(study.bench("collected").join("runs.csv"));
+    assert_eq!(rows.iter().map(|row| row["problem"].as_str()).collect::<Vec<_>>(), ["pair"]);
+    assert!(rows[0]["problem_settings"].contains("\"known\":\"certified\""), "{rows:?}");
+    of("pear*");
+    let words = ["collected.toml", "no stored problem of the collection matches `pear*`"];
+    study.gravel(&["bench", "collected"]).refused(&words);
+}
+
 #[test]
 fn id_is_that_of_the_content_and_not_of_the_file() {
     let (study, id) = with_pair();
@@ -370,6 +389,7 @@ fn false_submissions_are_refused_by_their_reason_and_the_others_of_a_folder_are_
         ("l-no-code", with("code", " ".into()), "`code` is empty"),
         ("m-seconds", with("claimed", json!({ "seconds": -1.0 })), "`claimed.seconds`"),
         ("n-huge", with("impulse", json!([1e308, 1e308])), "beyond all measure"),
+        ("o-nothing", with("impulse", json!([0.0, 0.0])), "that of no impulses 1e0: it is no answer"),
     ];
     for (name, content, _) in &wrong {
         put(&format!("{name}.json"), content);

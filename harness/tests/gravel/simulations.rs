@@ -354,6 +354,14 @@ fn simulation_that_stopped_resumes_bitwise_from_its_state() {
         "it is 0.5",
     ]);
     gravel(&[&scene[..], &steps, &["--state", text(&end)]].concat()).refused(&["end.json exists"]);
+    // With another friction its grains begin another scene.
+    let grains = at("grains.csv");
+    gravel(&["convert", text(&end), text(&grains)]).succeeded();
+    let sample = format!("sample={{ kind = \"placed\", density_kg_per_m2 = 1.0, file = {:?} }}", text(&grains));
+    let placed = ["--scene", &sample, "--scene", "scene.friction=0.5", "--time-steps", "1", "--json"];
+    let object = gravel(&[&scene[..2], &placed].concat()).json();
+    assert!(object["last_time_step"]["mean_height_m"].as_f64().unwrap() > 0.0, "{object}");
+    gravel(&["convert", text(&at("first.csv")), text(&grains)]).refused(&["first.csv"]);
 }
 
 #[test]
