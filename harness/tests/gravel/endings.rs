@@ -84,8 +84,11 @@ fn simulation_without_solution_says_so_and_counts_what_it_began_from_zero() {
     assert!(ran.stdout.contains("no-solution after "), "{}", ran.stdout);
     assert!(ran.stderr.contains("has no solution; the problem of its last good state is"), "{}", ran.stderr);
     let folder_of_nothing = TempDir::new().unwrap();
-    let bare =
-        command(&SQUEEZED).current_dir(folder_of_nothing.path()).env("GRAVEL_ROOT", checkout()).output().unwrap();
+    let bare = command(&SQUEEZED)
+        .current_dir(folder_of_nothing.path())
+        .env("GRAVEL_ROOT", checkout())
+        .output()
+        .unwrap();
     let said = String::from_utf8(bare.stderr).unwrap();
     assert!(said.contains("with `--output`, `--state` or `--vtk`"), "{said}");
     assert_eq!(entries(folder_of_nothing.path()).len(), 0, "nothing is written unasked");

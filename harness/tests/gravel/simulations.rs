@@ -357,7 +357,8 @@ fn simulation_that_stopped_resumes_bitwise_from_its_state() {
     // With another friction its grains begin another scene.
     let grains = at("grains.csv");
     gravel(&["convert", text(&end), text(&grains)]).succeeded();
-    let sample = format!("sample={{ kind = \"placed\", density_kg_per_m2 = 1.0, file = {:?} }}", text(&grains));
+    let sample =
+        format!("sample={{ kind = \"placed\", density_kg_per_m2 = 1.0, file = {:?} }}", text(&grains));
     let placed = ["--scene", &sample, "--scene", "scene.friction=0.5", "--time-steps", "1", "--json"];
     let object = gravel(&[&scene[..2], &placed].concat()).json();
     assert!(object["last_time_step"]["mean_height_m"].as_f64().unwrap() > 0.0, "{object}");

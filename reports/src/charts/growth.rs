@@ -25,6 +25,10 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
             let words: Vec<&str> =
                 std::iter::once(kind.case.as_str()).chain(words.split_whitespace()).collect();
             let name = format!("growth-{}", file_name(&words.join("-")));
+            // Sizes are told apart where there are several.
+            let is_same = |other: &&Kind| (&other.case, &other.name) == (&kind.case, &kind.name);
+            let several = kinds.iter().filter(is_same).count() > 1;
+            let name = if several { format!("{name}-{}", kind.grains) } else { name };
             parts.push(Part::figure(name, figure(kind, &of_kind, &looks)));
         }
     }
