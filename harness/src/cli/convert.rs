@@ -4,7 +4,7 @@ use crate::cli::args::SceneArgs;
 use crate::exchange::{Held, converted, is_foreign, read};
 use crate::root::{Root, is_toml};
 use crate::terminal::{check_apart, prepare_place, read_text, write_instead};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use cases::grains_of_state;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,9 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
         let state = Path::new(&args.from);
         args.scene.refused(&format!("{} is asked as a state", state.display()))?;
         check_apart(&[("the state", state), ("FILE", args.to.as_path())])?;
-        return write_instead(&args.to, grains_of_state(state)?.into_bytes());
+        let grains = grains_of_state(state)
+            .context("a .csv gets the grains of a state, which `simulate --state` writes")?;
+        return write_instead(&args.to, grains.into_bytes());
     }
     let (from, held) = held(root, args)?;
     check_apart(&[("the problem", from.as_path()), ("FILE", args.to.as_path())])?;
