@@ -1,7 +1,6 @@
 //! Heaps, drums and hoppers: what friction holds, what it lifts, and what it lets flow.
 
 use cases::{Case, Energy, March};
-use contact::acceleration::Acceleration;
 use contact::{Measure, RoughDiscs, RoughSpheres};
 use nalgebra::{Vector2, Vector3};
 use nsgs::Nsgs;
@@ -128,10 +127,9 @@ fn below(march: &March<RoughSpheres>, height: f64) -> f64 {
 #[test]
 fn sphere_hopper_flows_at_the_rate_of_beverloo_whatever_the_height_above() {
     let mut hopper = spheres("sphere-hopper", &[]);
-    let accelerated = Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() };
     let mut at = |time_step: u64| {
         while hopper.time_steps() < time_step {
-            let (_, seen) = hopper.time_step(&accelerated, &STOP).unwrap();
+            let (_, seen) = hopper.time_step(&Nsgs::default(), &STOP).unwrap();
             assert!((seen.shape.passed_mass - below(&hopper, 1.2)).abs() < 1e-9, "{:?}", seen.shape);
         }
         // The bed from 2 to 6 diameters above the bottom.

@@ -121,7 +121,7 @@ fn no_rows_give_tables_with_all_their_columns() {
         ["run", "iteration", "natural_map", "impulses_n_s", "sliding", "spins_rad_per_s"]
     );
     assert_eq!(columns(&table::<Simulation>([]).unwrap())[..2], ["id", "plan"]);
-    assert_eq!(keyed::<Observed>("simulation", []).unwrap().shape(), (0, 27));
+    assert_eq!(keyed::<Observed>("simulation", []).unwrap().shape(), (0, 31));
     assert!(rows::<Sample>(&none).unwrap().is_empty());
 }
 

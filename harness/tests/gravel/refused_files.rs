@@ -132,7 +132,7 @@ fn all_keys_that_a_file_lacks_are_named_at_once() {
     gravel(&["solve", text(&case)]).refused(&["`sample.kind`", "`scene`"]);
     let plan = write(&folder, "plan.toml", "name = \"p\"\n[simulate]\n[[methods]]\n[[cases]]\n");
     let keys = "missing keys: `why`, `stop`, `methods[0].method`";
-    gravel(&["bench", text(&plan)]).refused(&["plan.toml: ", "`cases[0].case`", "`simulate.reference`"]);
+    gravel(&["bench", text(&plan)]).refused(&["plan.toml: ", "`cases[0].case`", "`simulate.sample_every_s`"]);
     gravel(&["bench", text(&plan)]).refused(&["`methods[0].method`", &keys[..20]]);
 }
 

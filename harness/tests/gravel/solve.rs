@@ -14,8 +14,8 @@ fn run_that_ends_at_once_without_an_impulse_says_what_to_check() {
     let warning = "warning: no contact pushes: natural_map is 1.000e0 without any impulse";
     assert!(loose.stderr.starts_with(warning), "{}", loose.stderr);
     assert!(loose.stderr.contains("`--tolerance 5` allows"), "{}", loose.stderr);
-    // The normals the wrong way round, and no contact closes.
-    let turned = pair_with("/contacts/normal", json!([[0.0, -1.0], [0.0, -1.0]]));
+    // The normal of the floor the wrong way round, and no contact closes.
+    let turned = pair_with("/contacts/normal", json!([[0.0, -1.0], [0.0, 1.0]]));
     let turned = write(&folder, "turned.json", &turned.to_string());
     for more in [&[][..], &["--json"]] {
         let ran = gravel(&[&["solve", text(&turned)], more].concat()).succeeded();

@@ -33,7 +33,7 @@ struct Row {
 }
 
 /// A method on the problems of a row, at an accuracy.
-struct Reached {
+struct Counts {
     row: Row,
     /// Method, settings and start.
     method: String,
@@ -60,7 +60,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let columns = unique(study.runs.iter().map(|run| started(&run.own_label(), run.warm_start)));
     let mut parts = Vec::new();
     for (case, grains) in unique(all.iter().map(|one| (one.row.case.clone(), one.row.grains))) {
-        let own: Vec<&Reached> =
+        let own: Vec<&Counts> =
             all.iter().filter(|one| one.row.case == case && one.row.grains == grains).collect();
         let columns: Vec<&String> =
             columns.iter().filter(|column| own.iter().any(|one| one.method == **column)).collect();
@@ -83,7 +83,7 @@ fn started(label: &str, is_warm: bool) -> String {
 const WARM: &str = ", warm";
 
 /// Counts how often a method reaches an accuracy on problems of a kind; `None` where it has no run.
-fn reached(kind: &Kind, label: &str, accuracy: f64) -> Option<Reached> {
+fn reached(kind: &Kind, label: &str, accuracy: f64) -> Option<Counts> {
     let made = |run: &&&RunRow| run.own_label() == label && run.status != Ending::Skipped;
     let runs: Vec<&RunRow> = kind.runs.iter().filter(made).copied().collect();
     let is_there = |run: &&&RunRow| {
@@ -96,7 +96,7 @@ fn reached(kind: &Kind, label: &str, accuracy: f64) -> Option<Reached> {
     let count = |of: &[&str]| statuses.iter().filter(|status| of.contains(&status.as_str())).count();
     let first = runs.first()?;
     let name = kind.name.strip_suffix(WARM).unwrap_or(&kind.name);
-    Some(Reached {
+    Some(Counts {
         row: Row { case: kind.case.clone(), name: name.to_owned(), grains: kind.grains },
         method: started(label, first.warm_start),
         accuracy,
@@ -108,20 +108,20 @@ fn reached(kind: &Kind, label: &str, accuracy: f64) -> Option<Reached> {
 }
 
 /// A row for each kind, a column for each method, in it the accuracies from left to right.
-fn figure(own: &[&Reached], columns: &[&String], accuracies: &[f64]) -> String {
+fn figure(own: &[&Counts], columns: &[&String], accuracies: &[f64]) -> String {
     let rows = unique(own.iter().map(|one| one.row.clone()));
     let packings = |row: &Row| {
         let most = own.iter().filter(|one| one.row == *row).map(|one| one.problems).max();
         counted(most.unwrap_or(0), "packing")
     };
     let packings: Vec<String> = rows.iter().map(packings).collect();
-    let cell = |of: &&Reached| match of.reached {
+    let cell = |of: &&Counts| match of.reached {
         0 => NONE,
         reached if reached == of.problems => ALL,
         _ => SOME,
     };
     let tiles: &dyn Fn(usize, usize) -> Vec<Option<Tile>> = &|row, column| {
-        let here = |of: &&&Reached| of.row == rows[row] && of.method == *columns[column];
+        let here = |of: &&&Counts| of.row == rows[row] && of.method == *columns[column];
         let cells: Vec<Cell> = own.iter().copied().filter(|of| here(&of)).map(|of| cell(&of)).collect();
         vec![(!cells.is_empty()).then_some(Tile { cells, marks: [false, false] })]
     };
@@ -153,8 +153,8 @@ fn figure(own: &[&Reached], columns: &[&String], accuracies: &[f64]) -> String {
     .svg()
 }
 
-fn table(all: &[Reached]) -> DataFrame {
-    let number = |of: &dyn Fn(&Reached) -> usize| all.iter().map(|one| of(one) as u64).collect::<Vec<_>>();
+fn table(all: &[Counts]) -> DataFrame {
+    let number = |of: &dyn Fn(&Counts) -> usize| all.iter().map(|one| of(one) as u64).collect::<Vec<_>>();
     let sweeps =
         |of: fn(&Median) -> f64| all.iter().map(|one| one.sweeps.as_ref().map(of)).collect::<Vec<_>>();
     frame(df!(
