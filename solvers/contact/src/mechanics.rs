@@ -369,7 +369,8 @@ pub trait Visited: Copy + Debug + PartialEq + Send + Sync {
     #[expect(clippy::inline_always, reason = "it lies in the innermost loop of every method")]
     #[inline(always)]
     fn relative(&self, y: &[Self::Velocity]) -> Self::Impulse {
-        self.between(self.places().map(|place| y[place as usize]))
+        let [i, j] = self.places();
+        self.between([y[i as usize], y[j as usize]])
     }
 
     /// y ← y + h̃_α s.
