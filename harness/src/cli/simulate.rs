@@ -159,8 +159,8 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
 
 /// Writes the problem of the last good state beside what else is written, if anything is.
 fn last_state(last: &AnyFrozen, args: &Args) -> Option<Result<PathBuf>> {
-    let files = [&args.output, &args.state, &args.contacts].into_iter().flatten();
-    let folder = args.vtk.as_deref().or_else(|| files.filter_map(|file| file.parent()).next())?;
+    let mut files = [&args.output, &args.state, &args.contacts].into_iter().flatten();
+    let folder = args.vtk.as_deref().or_else(|| files.find_map(|file| file.parent()))?;
     let file = folder.join(format!("{}.json", last.name()));
     let write = || -> Result<()> {
         if file.exists() {
