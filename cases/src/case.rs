@@ -201,22 +201,24 @@ fn set(table: &mut toml::Table, key: &str, value: &str) -> Result<(), String> {
         .ok()
         .and_then(|mut table| table.remove("value"))
         .unwrap_or_else(|| toml::Value::String(value.to_owned()));
-    let mut all = toml::Value::Table(std::mem::take(table));
-    let mut here = Ok::<_, String>((&mut all, ""));
-    for part in key.split('.') {
-        here = here.and_then(|(here, name)| Ok((below(here, name, part)?, part)));
+    let (mut name, rest) = key.split_once('.').unwrap_or((key, ""));
+    let mut here = table.entry(name).or_insert_with(new_table);
+    for part in rest.split('.').filter(|part| !part.is_empty()) {
+        here = below(here, name, part).map_err(|message| format!("`{key}`: {message}"))?;
+        name = part;
     }
-    let done = here.map(|(here, _)| *here = value).map_err(|message| format!("`{key}`: {message}"));
-    if let toml::Value::Table(all) = all {
-        *table = all;
-    }
-    done
+    *here = value;
+    Ok(())
+}
+
+fn new_table() -> toml::Value {
+    toml::Table::new().into()
 }
 
 /// Returns the `part` of a value of this name, a new table where there is none.
 fn below<'v>(here: &'v mut toml::Value, name: &str, part: &str) -> Result<&'v mut toml::Value, String> {
     match here {
-        toml::Value::Table(table) => Ok(table.entry(part).or_insert_with(|| toml::Table::new().into())),
+        toml::Value::Table(table) => Ok(table.entry(part).or_insert_with(new_table)),
         toml::Value::Array(list) => {
             let count = list.len();
             let at = part.parse::<usize>().ok().and_then(|place| list.get_mut(place));

@@ -31,7 +31,7 @@ pub use observe::shape::Shape;
 pub use observe::stress::Stress;
 pub use problem::any::{AnyFrozen, OfAnyMechanics};
 pub use problem::frozen::Frozen;
-pub use problem::marched::{Inertia, Listed, Marched, Parts, to_candidate};
+pub use problem::marched::{Inertia, Listed, Marched, Parts, slides, to_candidate};
 pub use problem::time_step::TimeStep;
 pub use sample::Sample;
 pub use sample::deposit::Disc;

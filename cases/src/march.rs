@@ -253,6 +253,7 @@ impl<M: Marched> March<M> {
         let missed = (status != Status::Converged).then_some(Missed { time_step, status });
         if missed.is_some_and(Missed::failed) {
             self.last.clear();
+            self.sliding.clear();
         }
         let before = std::mem::replace(&mut self.missed, missed);
         self.overlap = deepest(problem.contacts().iter().map(Touch::ends), gap, &self.radius);

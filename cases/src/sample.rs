@@ -1,7 +1,7 @@
 //! Samples: discs or spheres with radius, mass and place before time begins. What is random comes from the sample's seed.
 
 pub(crate) mod deposit;
-mod made;
+pub(crate) mod made;
 pub(crate) mod placed;
 pub(crate) mod shapes;
 pub(crate) mod sizes;

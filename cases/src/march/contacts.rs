@@ -5,7 +5,7 @@ use crate::bodies::Bodies;
 use crate::bodies::seeker::Seeker;
 use crate::detect::{DetectedContact, Side};
 use crate::error::CaseError;
-use crate::problem::marched::{Marched, parts, translation};
+use crate::problem::marched::{Marched, parts, slides, translation};
 use crate::problem::time_step::{Terms, TimeStep};
 use crate::scene::walls::{MovingWall, WallMotion};
 use crate::scene::{Law, Scene};
@@ -127,18 +127,9 @@ impl<M: Marched> March<M> {
         if self.scene.static_friction_ratio.is_none() {
             return Vec::new();
         }
-        let contacts = time_step.frozen.problem.contacts().iter().enumerate();
-        let slides = |(k, contact): (usize, &M::Contact)| {
-            let mut own = [0.0; 3];
-            M::Impulse::at(r, k).put(&mut own, 0);
-            let bound = M::friction(contact).unwrap_or(0.0) * own[0];
-            own[0] > 0.0 && own[1].hypot(own[2]) >= (1.0 - ON_THE_CONE) * bound
-        };
-        let mut sliding: Vec<(u32, Side)> = contacts
-            .map(slides)
-            .zip(time_step.keys())
-            .filter_map(|(slides, key)| slides.then_some(key))
-            .collect();
+        let contacts = time_step.frozen.problem.contacts();
+        let slide = |(k, _): &(usize, _)| slides::<M>(&contacts[*k], M::Impulse::at(r, *k), ON_THE_CONE);
+        let mut sliding: Vec<_> = time_step.keys().enumerate().filter(slide).map(|(_, key)| key).collect();
         sliding.sort_unstable();
         sliding
     }
@@ -150,7 +141,7 @@ impl<M: Marched> March<M> {
     }
 }
 
-/// Distance of an impulse from its cone that is round-off, over the size of its tangential part (–).
+/// Distance of a tangential impulse from its bound that is round-off, over that (–).
 const ON_THE_CONE: f64 = 1e-12;
 
 /// A pair that the law lets in, and what that adds to its offset.

@@ -7,13 +7,13 @@ use crate::error::{CaseError, Missed};
 use crate::file::json::{broken, of_json, read_text};
 use crate::problem::marched::{Listed, Marched};
 use crate::sample::Sample;
+use crate::sample::made::mass_of;
 use crate::sample::placed::{DENSITY, MOTION};
 use crate::scene::Scene;
 use contact::{Mechanics, Vector, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::f64::consts::PI;
 use std::path::Path;
 
 /// State after a time step. Units are SI.
@@ -175,8 +175,7 @@ pub fn grains_of_state(path: &Path) -> Result<String, CaseError> {
     heads.extend(MOTION[in_space].into_iter().flatten().take(moving));
     let mut table = heads.join(",") + "\n";
     for k in 0..radius.len().saturating_sub(scene.body_count()) {
-        let volume = PI * if dimensions > 2 { 4.0 / 3.0 * radius[k].powi(3) } else { radius[k] * radius[k] };
-        let own = [radius[k], mass[k] / volume];
+        let own = [radius[k], mass[k] / mass_of(1.0, radius[k], dimensions > 2)];
         let values: Vec<String> =
             position[k].iter().chain(&own).chain(&velocity[k]).map(f64::to_string).collect();
         table += &(values.join(",") + "\n");
@@ -303,10 +302,10 @@ impl<M: Marched> March<M> {
         check_finite("bodies.velocity", &velocity)?;
         self.last = last.kept("last", count)?;
         self.before = before.kept("before", count)?;
-        (self.position, self.velocity) = (position, velocity);
         if !sliding.is_sorted() {
             return Err("`sliding`: contacts must rise by candidate, then antagonist".to_owned());
         }
+        (self.position, self.velocity) = (position, velocity);
         (self.done, self.missed, self.sliding) = (time_steps, missed, sliding);
         Ok(())
     }

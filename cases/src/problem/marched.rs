@@ -227,6 +227,14 @@ pub fn to_candidate<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Place
     tangential.fold(along, |sum, (r, tangent)| sum + tangent * *r)
 }
 
+/// Reports whether a contact that pushes slides: its tangential impulse is nearer to its bound than a `share` of that.
+pub fn slides<M: Marched>(contact: &M::Contact, r: M::Impulse, share: f64) -> bool {
+    let mut list = [0.0; 3];
+    r.put(&mut list, 0);
+    let bound = M::friction(contact).unwrap_or(0.0) * list[0];
+    list[0] > 0.0 && !(list[1].hypot(list[2]) < (1.0 - share) * bound)
+}
+
 /// An impulse as it is kept for the next time step, in which the contact may face another way (N·s): in space as a vector there, since
 /// the tangents of another normal are others.
 pub(crate) fn kept<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Impulse {

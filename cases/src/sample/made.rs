@@ -152,8 +152,7 @@ impl Sample {
     fn grains_at<P: Place>(&self, balls: &[Ball]) -> Result<Vec<Grain<P>>, String> {
         let density = self.density().map_or(0.0, |(density, _)| density);
         let grain = |&[x, y, z, radius]: &Ball| {
-            let of_disc = density * std::f64::consts::PI * radius * radius;
-            let mass = if P::LEN > 2 { of_disc * radius * 4.0 / 3.0 } else { of_disc };
+            let mass = mass_of(density, radius, P::LEN > 2);
             Grain { radius, mass, position: P::of([x, y, z]), motion: [0.0; 6] }
         };
         let mut grains: Vec<_> = balls.iter().map(grain).collect();
@@ -172,6 +171,12 @@ impl Sample {
 
 fn frozen(file: &Path) -> Result<AnyFrozen, String> {
     AnyFrozen::read(file).map_err(|error| format!("`sample.file`: {error}"))
+}
+
+/// Returns the mass of a disc of some density (kg/m²) and radius (m), or of a sphere (kg/m³), in kg.
+pub(crate) fn mass_of(density: f64, radius: f64, in_space: bool) -> f64 {
+    let of_disc = density * std::f64::consts::PI * radius * radius;
+    if in_space { of_disc * radius * 4.0 / 3.0 } else { of_disc }
 }
 
 /// The grains, if there are some and all have a meaning.

@@ -68,19 +68,16 @@ impl<'r> Collection<'r> {
     /// # Errors
     /// Names a pattern that matches none.
     pub(crate) fn matching(&self, patterns: &[String]) -> Result<Vec<(String, Settings)>> {
-        if patterns.is_empty() {
-            return Ok(Vec::new());
-        }
+        let wanted: Vec<WildMatch> = patterns.iter().map(|pattern| WildMatch::new(pattern)).collect();
         let mut entries = self.entries()?;
+        entries.retain(|entry| wanted.iter().any(|pattern| pattern.matches(&entry.name)));
         entries.retain(|entry| self.place(entry).is_some());
-        for pattern in patterns {
-            let matches = WildMatch::new(pattern);
+        for (text, pattern) in patterns.iter().zip(&wanted) {
             ensure!(
-                entries.iter().any(|entry| matches.matches(&entry.name)),
-                "`collected`: no stored problem of the collection matches `{pattern}`: `gravel collection list` shows their names"
+                entries.iter().any(|entry| pattern.matches(&entry.name)),
+                "`collected`: no stored problem of the collection matches `{text}`: `gravel collection list` shows their names"
             );
         }
-        entries.retain(|entry| patterns.iter().any(|pattern| WildMatch::new(pattern).matches(&entry.name)));
         entries.sort_by(|a, b| a.name.cmp(&b.name));
         Ok(entries.into_iter().map(|entry| (entry.id.clone(), entry.settings())).collect())
     }

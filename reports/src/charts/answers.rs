@@ -17,8 +17,8 @@ struct Ended<'s> {
     simulation: &'s Simulation,
     /// Name of the case, with the settings in which its simulations differ beside friction and seed, and the method where there are several.
     case: String,
-    /// μ of the grains (–).
-    grains: f64,
+    /// μ of the grains, where the study sets it (–).
+    grains: Option<f64>,
 }
 
 /// A quantity of a simulation.
@@ -59,10 +59,7 @@ const ANSWERS: [Answer; 17] = [
     Answer {
         name: "nanoseconds_per_visit",
         title: Some("time per contact visited (ns)"),
-        of: |s| {
-            Some(1e9 * s.totals.iterating_s / s.totals.work.contact_updates as f64)
-                .filter(|time| time.is_finite())
-        },
+        of: |s| finite(1e9 * s.totals.iterating_s / s.totals.work.contact_updates as f64),
     },
     Answer {
         name: "microseconds_per_grain",
@@ -78,7 +75,7 @@ const ANSWERS: [Answer; 17] = [
         title: None,
         of: |s| {
             let impulse: f64 = late(s).iter().map(|row| row.floor_impulse_n_s).sum();
-            defined(impulse / (s.mass_kg * s.gravity_m_per_s2 * (last(s)?.time_s - before_late(s)?.time_s)))
+            finite(impulse / (s.mass_kg * s.gravity_m_per_s2 * (last(s)?.time_s - before_late(s)?.time_s)))
         },
     },
     Answer {
@@ -97,21 +94,21 @@ const ANSWERS: [Answer; 17] = [
     Answer {
         name: "aspect",
         title: None,
-        of: |s| s.series().first().and_then(|row| defined(2.0 * row.mean_height_m / row.shape.width)),
+        of: |s| s.series().first().and_then(|row| finite(2.0 * row.mean_height_m / row.shape.width)),
     },
     Answer {
         name: "run_out",
         title: None,
-        of: |s| defined(last(s)?.shape.width / s.series().first()?.shape.width - 1.0),
+        of: |s| finite(last(s)?.shape.width / s.series().first()?.shape.width - 1.0),
     },
-    Answer { name: "passed_share", title: None, of: |s| defined(last(s)?.shape.passed_mass / s.mass_kg) },
+    Answer { name: "passed_share", title: None, of: |s| finite(last(s)?.shape.passed_mass / s.mass_kg) },
     Answer { name: "discharge_kg_per_s", title: None, of: discharge },
     Answer {
         name: "walls_power_w",
         title: None,
         of: |s| {
             let work: f64 = late(s).iter().map(|row| row.energy.walls).sum();
-            defined(work / (last(s)?.time_s - before_late(s)?.time_s))
+            finite(work / (last(s)?.time_s - before_late(s)?.time_s))
         },
     },
 ];
@@ -129,8 +126,8 @@ fn late(simulation: &Simulation) -> &[Observed] {
     &series[series.len() / 2..]
 }
 
-/// A value where it is finite.
-fn defined(value: f64) -> Option<f64> {
+/// Returns a value where it is finite.
+fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
@@ -143,7 +140,7 @@ fn before_late(simulation: &Simulation) -> Option<&Observed> {
 /// The mean of a quantity over the second half, where every row has it.
 fn mean(simulation: &Simulation, of: fn(&Observed) -> f64) -> Option<f64> {
     let late = late(simulation);
-    defined(late.iter().map(of).sum::<f64>() / late.len() as f64)
+    finite(late.iter().map(of).sum::<f64>() / late.len() as f64)
 }
 
 /// Returns the rate at which mass passes below all segments, while [`FLOWING`] of it does (kg/s).
@@ -153,7 +150,7 @@ fn discharge(simulation: &Simulation) -> Option<f64> {
     };
     let [begin, end] = FLOWING.map(at);
     let (begin, end) = (begin?, end?);
-    defined((end.shape.passed_mass - begin.shape.passed_mass) / (end.time_s - begin.time_s))
+    finite((end.shape.passed_mass - begin.shape.passed_mass) / (end.time_s - begin.time_s))
 }
 
 /// The settings of a simulation, beside friction and seed, that are not the same in all of its case, as they are read.
@@ -174,7 +171,7 @@ fn ended(all: &[Simulation]) -> Vec<Ended<'_>> {
         let case = std::iter::once(Simulation::case(simulation).to_owned());
         let case = case.chain(set_apart(simulation, all)).chain(several.then(|| simulation.label()));
         let case = case.collect::<Vec<_>>().join(", ");
-        Ended { simulation, case, grains: simulation.friction().unwrap_or(0.0) }
+        Ended { simulation, case, grains: simulation.friction() }
     };
     runs().filter(|simulation| simulation.status == SimulationEnding::Completed).map(ended).collect()
 }
@@ -188,7 +185,7 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
                 bulk, weak contacts, the angle of a bed and the power of walls those of the second half of the time; aspect: twice the mean height over the width, of \
                 the first row; run-out: growth of the width since then, over it; discharge: while 10 to 40 % of the mass passes. Time: set-up and iterations.\n";
     let mut parts = Vec::new();
-    if !ended.is_empty() {
+    if ended.iter().any(|one| one.grains.is_some()) {
         parts.push(Part::figure("answers", figure(&ended)));
     }
     parts.push(Part::table("answers", table(&ended), note));
@@ -196,21 +193,21 @@ pub(crate) fn parts(all: &[Simulation]) -> Vec<Part> {
 }
 
 /// The median of an answer in a case with a friction.
-fn median(ended: &[Ended], (case, grains): (&str, f64), answer: &Answer) -> Option<Median> {
+fn median(ended: &[Ended], (case, grains): (&str, Option<f64>), answer: &Answer) -> Option<Median> {
     let own = ended.iter().filter(|one| one.case == case && one.grains == grains);
     Median::of(own.filter_map(|one| (answer.of)(one.simulation)).collect())
 }
 
-/// A panel for each answer, against the friction of the grains.
+/// A panel for each answer, against the friction of the grains; of the simulations whose study sets that.
 fn figure(ended: &[Ended]) -> String {
     let cases = unique(ended.iter().map(|one| one.case.as_str()));
-    let frictions = rising(ended.iter().map(|one| one.grains));
+    let frictions = rising(ended.iter().filter_map(|one| one.grains));
     let look = |(n, case): (usize, &&str)| ((*case).to_owned(), SPARE[(3 + n) % SPARE.len()].dashed(0));
     let looks: Vec<(String, Look)> = cases.iter().enumerate().map(look).collect();
     let panels = ANSWERS.iter().filter_map(|answer| Some((answer, answer.title?))).map(|(answer, title)| {
         let places = |case: &str| {
             let at = |grains: &f64| {
-                let Median { low, median, high } = median(ended, (case, *grains), answer)?;
+                let Median { low, median, high } = median(ended, (case, Some(*grains)), answer)?;
                 Some((*grains, [low, median, high].map(log)))
             };
             frictions.iter().filter_map(at).collect()
@@ -225,7 +222,10 @@ fn figure(ended: &[Ended]) -> String {
 fn table(ended: &[Ended]) -> DataFrame {
     let mut rows = Vec::new();
     for case in unique(ended.iter().map(|one| one.case.as_str())) {
-        for grains in rising(ended.iter().filter(|one| one.case == case).map(|one| one.grains)) {
+        let of_case = || ended.iter().filter(|one| one.case == case);
+        let set = rising(of_case().filter_map(|one| one.grains)).into_iter().map(Some);
+        let unset = of_case().any(|one| one.grains.is_none()).then_some(None);
+        for grains in set.chain(unset) {
             let own = || ended.iter().filter(|one| one.case == case && one.grains == grains);
             let missed = own().filter(|one| one.simulation.totals.missed_time_steps > 0).count();
             rows.extend(ANSWERS.iter().filter_map(|answer| {
@@ -259,7 +259,7 @@ fn table(ended: &[Ended]) -> DataFrame {
 /// A row of the table.
 struct Row<'e> {
     case: &'e str,
-    grains: f64,
+    grains: Option<f64>,
     packings: usize,
     /// Number of packings of which a time step missed the tolerance.
     missed: usize,

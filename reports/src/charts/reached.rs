@@ -9,7 +9,8 @@ use results::settings::KNOWN;
 use super::grid::{Grid, Head, Tile};
 use crate::draw::{Cell, INK, RGBColor, WHITE};
 use crate::read::{
-    COSTS, Ending, Kind, Problems, RunRow, accuracy_text, counted, file_name, kinds, natural_maps, unique,
+    COSTS, Ending, Kind, Problems, RunRow, accuracy_text, counted, file_name, first, kinds, natural_maps,
+    unique,
 };
 use crate::text::{Part, frame};
 
@@ -86,10 +87,7 @@ const WARM: &str = ", warm";
 fn reached(kind: &Kind, label: &str, accuracy: f64) -> Option<Counts> {
     let made = |run: &&&RunRow| run.own_label() == label && run.status != Ending::Skipped;
     let runs: Vec<&RunRow> = kind.runs.iter().filter(made).copied().collect();
-    let is_there = |run: &&&RunRow| {
-        let values = run.curve.iter().map(|point| point.get(Measure::NaturalMap).unwrap_or(f64::NAN));
-        results::reached(values, accuracy).is_some()
-    };
+    let is_there = |run: &&&RunRow| first(&run.curve, Measure::NaturalMap, accuracy.log10()).is_some();
     let work = |run: &&RunRow| COSTS[1].to(run, Measure::NaturalMap, accuracy);
     let status = |run: &&RunRow| Some(run.problem_settings.get(KNOWN)?.as_str()?.to_owned());
     let statuses: Vec<String> = runs.iter().filter_map(status).collect();

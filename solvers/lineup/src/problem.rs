@@ -7,7 +7,7 @@ use crate::methods::Ours;
 use crate::share::{OneShare, Part};
 use analysis::Meter;
 use anyhow::{Result, ensure};
-use cases::{AnyFrozen, Frozen, Homogenised, to_candidate};
+use cases::{AnyFrozen, Frozen, Homogenised, slides, to_candidate};
 use contact::{Measures, Mechanics, Place, Touch, Truth, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme, Share, Team, Whole};
 use reference::{Certificate, Certified, distance};
@@ -254,18 +254,14 @@ impl<M: Form> OneProblem for Frozen<M> {
     }
 
     fn statuses(&self, r: &[f64]) -> Option<Vec<u8>> {
-        let along = self.tangential(r)?;
-        let normal = r.iter().step_by(M::Impulse::LEN);
-        let status = |((contact, normal), along): ((&M::Contact, &f64), &f64)| {
-            if *normal <= 0.0 {
-                0
-            } else if along.abs() < (1.0 - SLIDES) * M::law(contact).1 * normal {
-                1
-            } else {
-                2
+        let status = |(k, contact): (usize, &M::Contact)| {
+            let r = M::Impulse::at(r, k);
+            match r.first() {
+                ..=0.0 => 0,
+                _ => 1 + u8::from(slides::<M>(contact, r, SLIDES)),
             }
         };
-        Some(self.problem.contacts().iter().zip(normal).zip(&along).map(status).collect())
+        M::HAS_FRICTION.then(|| self.problem.contacts().iter().enumerate().map(status).collect())
     }
 
     fn to_json(&self) -> serde_json::Result<String> {

@@ -60,7 +60,7 @@ impl Default for Nsgs {
 
 /// Iterations between two renewals of the velocities, unless these are in double precision.
 ///
-/// A renewal takes as long as about two sweeps, so it must be rare; and between two of them round-off adds up. Where sweeps change a grain
+/// A renewal passes over the contacts twice, as two sweeps do, so it must be rare; and between two of them round-off adds up. Where sweeps change a grain
 /// by about the same from one to the next, k of them leave its correction with a relative error of at most ε k, ε = 6e-8, which is to stay
 /// small beside the 1/k that a sweep changes: ε k² ≪ 1. With 128 renewals are 2 % of the time, and that is 0.1 %.
 const RENEWAL: u64 = 128;
