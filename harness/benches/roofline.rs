@@ -1,38 +1,45 @@
-//! The roofline note: what a contact update moves and computes, what the machine's memory gives, and the share of it that
-//! each method reaches. Prints Markdown; `just roofline` keeps it in `reports/out/roofline.md`.
+//! The roofline: what an iteration moves at a contact, how fast the machine's memory and the kernel alone would let it, and what stands
+//! between. Prints Markdown; `just roofline` keeps it in `reports/out/roofline.md`.
 
 mod common;
 
+use cases::Frozen;
 use cg::{Cg, Preconditioner};
-use contact::{Packing, Solver};
-use nsgs::{Nsgs, Order};
-use nsgs_dd::NsgsDd;
-use partition::Grid;
+use contact::acceleration::Acceleration;
+use contact::sweep::Row;
+use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Solver, Spheres};
+use nsgs::Nsgs;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// What an iteration costs at one contact, counted in its loops.
-struct Cost {
-    /// Read or written once per iteration, whatever the caches keep: columns, vectors; grains are apart (bytes).
-    bytes: f64,
-    /// Bytes of a grain, read or written once per pass over contacts or grains.
-    grain_bytes: f64,
-    /// Additions, multiplications, maxima.
-    flops: f64,
-    /// Those at a grain.
-    grain_flops: f64,
+/// Bytes of an iteration, read or written once whatever the caches keep.
+struct Moves {
+    /// At a contact.
+    contact: usize,
+    /// At a grain, over all passes.
+    grain: usize,
 }
 
-/// A column of 32 bytes, an offset of 8, s read and written; v takes 9 flops with its offset, the change 2, the push 8, s 1.
-const SWEEP: Cost = Cost { bytes: 32.0 + 8.0 + 16.0, grain_bytes: 32.0, flops: 20.0, grain_flops: 0.0 };
+/// A row and s of each contact, y of each grain; accelerated, x of both as well. What is changed is read and written.
+fn of_sweep<M: Mechanics>(acceleration: Acceleration) -> Moves {
+    let lists = if acceleration == Acceleration::None { 1 } else { 2 };
+    Moves {
+        contact: size_of::<Row<M::Column>>() + lists * 2 * size_of::<M::Impulse>(),
+        grain: lists * 2 * size_of::<M::Velocity>(),
+    }
+}
 
-/// Two passes over a column of 32 bytes; what the maximum adds, and the product of every 16th iteration, are left out. Beside it,
-/// they read p, read and write r and u (40); read r and u, read and write p (32). The product with a column takes 7 flops, a push
-/// 8; the sums and the vectors take 7 and 4 more. A grain's y is squared with its weight (24 bytes, 5 flops), read (16), cleared
-/// (16) and pushed (32).
-const CG: Cost = Cost { bytes: 2.0 * 32.0 + 40.0 + 32.0, grain_bytes: 88.0, flops: 26.0, grain_flops: 5.0 };
+/// Conjugate gradients without friction: two passes over the columns; beside them p is read, r and u read and written, then r and u
+/// read, p read and written. A grain's y is squared with its weight, read, cleared and pushed. What the maximum adds, and the product of
+/// every 16th iteration, are left out.
+fn of_cg<M: Mechanics>() -> Moves {
+    Moves {
+        contact: 2 * size_of::<M::Column>() + 9 * size_of::<M::Impulse>(),
+        grain: 5 * size_of::<M::Velocity>() + size_of::<M::Mass>(),
+    }
+}
 
-/// The least time of one call, of as many as fit into about a second (s).
+/// Returns the least time of one call, of as many as fit into about a second (s).
 fn least_seconds(mut call: impl FnMut()) -> f64 {
     let clock = Instant::now();
     let mut least = f64::INFINITY;
@@ -57,47 +64,89 @@ fn triad(bytes: usize) -> f64 {
     24.0 * n as f64 / seconds
 }
 
-fn row(name: &str, solver: &dyn Solver, cost: &Cost, problem: &Packing) {
-    let contacts = problem.contact_count() as f64;
-    let grains_per_contact = problem.grain_count() as f64 / contacts;
-    let bytes = cost.bytes + cost.grain_bytes * grains_per_contact;
-    let flops = cost.flops + cost.grain_flops * grains_per_contact;
-    let r0 = vec![0.0; problem.contact_count()];
-    let mut iteration = solver.start(problem, &r0).unwrap_or_else(|error| panic!("{error}"));
-    (0..3).for_each(|_| iteration.advance());
-    let seconds = least_seconds(|| iteration.advance()) / contacts;
-    // What fits beside it in memory is as large as what the method moves.
-    let bandwidth = triad((bytes * contacts) as usize);
-    println!(
-        "| {name} | {} | {:.2} | {bytes:.0} | {:.0} | {:.2} | {:.1} | {:.1} | {:.0} |",
-        problem.contact_count(),
-        1e9 * seconds,
-        flops,
-        1e-9 * flops / seconds,
-        1e-9 * bytes / seconds,
-        1e-9 * bandwidth,
-        100.0 * bytes / seconds / bandwidth,
-    );
+/// The rows of one mechanics: its packings by the number of grains.
+fn rows<M: Mechanics>(
+    mechanics: &str,
+    packing: impl Fn(usize) -> Frozen<M>,
+    methods: &[(&str, Box<dyn Solver<M>>, Moves)],
+) {
+    // Seconds at a contact of the smallest packing, which the nearest caches hold: what the kernel itself takes.
+    let mut alone = vec![None; methods.len()];
+    for grains in common::sizes() {
+        let Frozen { problem, .. } = packing(grains);
+        let contacts = problem.contact_count();
+        let r0 = vec![0.0; problem.impulse_count()];
+        for ((name, solver, moves), alone) in methods.iter().zip(&mut alone) {
+            let bytes =
+                (moves.contact * contacts + moves.grain * problem.grain_count()) as f64 / contacts as f64;
+            let mut iteration = solver.start(&problem, &r0).unwrap_or_else(|error| panic!("{error}"));
+            (0..3).for_each(|_| iteration.advance());
+            let seconds = least_seconds(|| iteration.advance()) / contacts as f64;
+            drop(iteration);
+            let kernel = *alone.get_or_insert(seconds);
+            // What fits beside it in memory is as large as what the method moves.
+            let bandwidth = triad((bytes * contacts as f64) as usize);
+            let memory = bytes / bandwidth;
+            println!(
+                "| {mechanics} | {name} | {contacts} | {bytes:.0} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} |",
+                1e-9 * bandwidth,
+                1e9 * memory,
+                1e9 * kernel,
+                1e9 * seconds,
+                seconds / memory.max(kernel),
+            );
+        }
+    }
+}
+
+/// Plain and accelerated sweeps.
+fn sweeps<M: Mechanics>() -> Vec<(&'static str, Box<dyn Solver<M>>, Moves)>
+where
+    Nsgs: Solver<M>,
+{
+    [("nsgs", Acceleration::None), ("nsgs, accelerated", Acceleration::Nesterov)]
+        .into_iter()
+        .map(|(name, acceleration)| {
+            let solver: Box<dyn Solver<M>> = Box::new(Nsgs { acceleration, ..Nsgs::default() });
+            (name, solver, of_sweep::<M>(acceleration))
+        })
+        .collect()
+}
+
+/// Sweeps and conjugate gradients.
+fn smooth<M: Mechanics>() -> Vec<(&'static str, Box<dyn Solver<M>>, Moves)>
+where
+    Nsgs: Solver<M>,
+    Cg: Solver<M>,
+{
+    let mut methods = sweeps::<M>();
+    methods.push((
+        "cg",
+        Box::new(Cg { preconditioner: Preconditioner::None, ..Cg::default() }),
+        of_cg::<M>(),
+    ));
+    methods
 }
 
 fn main() {
     println!("# What an iteration moves, and how fast\n");
     println!(
-        "Least of many iterations, {} thread(s). The triad a = b + 3 c runs on as many bytes as an",
+        "Least of many iterations, {} thread(s). Memory's limit is the bytes over the",
         rayon::current_num_threads()
     );
-    println!("iteration moves, so on the same level of caches; on one thread.\n");
     println!(
-        "| method | contacts | ns per contact | bytes per contact | flops per contact | Gflop/s | GB/s | triad, GB/s | of it, % |"
+        "bandwidth of the triad a = b + 3 c on as many bytes, so on the same level of caches. The kernel's limit"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
-    for grains in common::sizes() {
-        let problem = common::packing(grains).problem;
-        let side = (problem.contact_count() / 1000).max(1).isqrt() as u32;
-        let small = NsgsDd { subdomains: Grid::of(side, side), ..NsgsDd::default() };
-        row("nsgs, natural order", &Nsgs::default(), &SWEEP, &problem);
-        row("nsgs, coloured", &Nsgs { order: Order::Coloured, ..Nsgs::default() }, &SWEEP, &problem);
-        row("nsgs-dd, small subdomains", &small, &SWEEP, &problem);
-        row("cg", &Cg { preconditioner: Preconditioner::None }, &CG, &problem);
-    }
+    println!(
+        "is the time at a contact of the smallest packing, which the nearest caches hold. The last column is the"
+    );
+    println!("time over the larger of the two: what is above 1 is the grains' scatter in memory.\n");
+    println!(
+        "| mechanics | method | contacts | bytes per contact | triad, GB/s | memory's limit, ns | kernel's limit, ns | ns per contact | over the larger |"
+    );
+    println!("|---|---|--:|--:|--:|--:|--:|--:|--:|");
+    rows::<Discs>("discs", common::packing, &smooth());
+    rows::<RoughDiscs>("discs with friction", common::rough_packing, &sweeps());
+    rows::<Spheres>("spheres", |grains| common::packing_in_space(grains, 0.0), &smooth());
+    rows::<RoughSpheres>("spheres with friction", |grains| common::packing_in_space(grains, 0.3), &sweeps());
 }

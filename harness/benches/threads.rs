@@ -8,7 +8,8 @@ mod common;
 use analysis::Meter;
 use cases::Frozen;
 use cg::Cg;
-use contact::{Discs, Mechanics, RoughDiscs, Solver};
+use contact::acceleration::Acceleration;
+use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Solver, Spheres};
 use latin_dd::LatinDd;
 use nsgs_dd::NsgsDd;
 use partition::{Grid, Scheme};
@@ -26,36 +27,43 @@ fn main() {
     let pools = [1, threads].map(|threads| {
         ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|error| panic!("{error}"))
     });
-    let subdomains = Grid::of(SIDE, SIDE);
-    let partition = Scheme::Balanced;
-    let nsgs_dd = NsgsDd { subdomains, partition, ..NsgsDd::default() };
-    // Directions that stay, so that no iteration factorises.
-    let latin_dd = LatinDd { subdomains, partition, kappa_l: Some(40.0), ..LatinDd::default() };
     println!("# Iterations on one thread and on {threads}\n");
     println!(
-        "Medians of {ROUNDS} rounds of {ITERATIONS} iterations, in turns; {subdomains} subdomains, those of cg are its own."
+        "Medians of {ROUNDS} rounds of {ITERATIONS} iterations, in turns; {SIDE} × {SIDE} subdomains, those of cg are its own."
     );
     println!("In a run, measures come between two iterations: caches forget, threads fall asleep.\n");
     println!(
-        "| method | friction | contacts | between iterations | one thread, ms | {threads} threads, ms | ratio |"
+        "| mechanics | method | contacts | between iterations | one thread, ms | {threads} threads, ms | ratio |"
     );
-    println!("|---|--:|--:|---|--:|--:|--:|");
+    println!("|---|---|--:|---|--:|--:|--:|");
     for grains in common::sizes() {
-        let cg = Cg::default();
-        table::<Discs>(&pools, "0", &common::packing(grains), [&nsgs_dd, &latin_dd, &cg]);
-        table::<RoughDiscs>(&pools, "0.3", &common::rough_packing(grains), [&nsgs_dd, &latin_dd, &cg]);
+        table::<Discs>(&pools, "discs", &common::packing(grains));
+        table::<RoughDiscs>(&pools, "discs with friction", &common::rough_packing(grains));
+        table::<Spheres>(&pools, "spheres", &common::packing_in_space(grains, 0.0));
+        table::<RoughSpheres>(&pools, "spheres with friction", &common::packing_in_space(grains, 0.3));
     }
 }
 
 /// The rows of one packing.
-fn table<M: Mechanics>(
-    pools: &[ThreadPool; 2],
-    friction: &str,
-    frozen: &Frozen<M>,
-    methods: [&dyn Solver<M>; 3],
-) {
+fn table<M: Mechanics>(pools: &[ThreadPool; 2], mechanics: &str, frozen: &Frozen<M>)
+where
+    NsgsDd: Solver<M>,
+    LatinDd: Solver<M>,
+    Cg: Solver<M>,
+{
+    let (subdomains, partition) = (Grid::of(SIDE, SIDE), Scheme::Balanced);
+    let nsgs_dd = NsgsDd { subdomains, partition, ..NsgsDd::default() };
+    let accelerated = NsgsDd { acceleration: Acceleration::Nesterov, ..nsgs_dd };
+    // Directions that stay, so that no iteration factorises.
+    let latin_dd = LatinDd { subdomains, partition, kappa_l: Some(40.0), ..LatinDd::default() };
+    let methods: [(&str, &dyn Solver<M>); 4] = [
+        ("nsgs-dd", &nsgs_dd),
+        ("nsgs-dd, accelerated", &accelerated),
+        ("latin-dd", &latin_dd),
+        ("cg", &Cg::default()),
+    ];
     let contacts = frozen.problem.contact_count();
-    for (name, solver) in ["nsgs-dd", "latin-dd", "cg"].iter().zip(methods) {
+    for (name, solver) in methods {
         for (between, measured) in [("nothing", false), ("measures", true)] {
             let mut times = [Vec::new(), Vec::new()];
             for _ in 0..ROUNDS {
@@ -66,7 +74,7 @@ fn table<M: Mechanics>(
             let ratios = times[0].iter().zip(&times[1]).map(|(one, all)| one / all).collect();
             let [one, all] = times.map(|times| 1e3 * median(times));
             let ratio = median(ratios);
-            println!("| {name} | {friction} | {contacts} | {between} | {one:.3} | {all:.3} | {ratio:.2} |");
+            println!("| {mechanics} | {name} | {contacts} | {between} | {one:.3} | {all:.3} | {ratio:.2} |");
         }
     }
 }

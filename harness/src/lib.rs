@@ -165,8 +165,8 @@ mod plan {
     pub(crate) use file::{Curves, Plan, PlannedCase, chart};
     pub(crate) use marcher::Marcher;
     pub(crate) use methods::{
-        Entry, Method, Runs, all_typed, key_value, method, method_names, methods, read_external,
-        refuse_repeated, wrong,
+        Entry, Method, Runs, all_typed, key_value, method, method_names, methods, refuse_repeated,
+        take_external, wrong,
     };
     pub(crate) use rules::{Rule, Simulate};
     pub(crate) use variants::{PlannedMethod, Variant, WarmStart, as_typed, last_parts, pairs};
@@ -341,7 +341,7 @@ fn run(cli: Cli) -> Result<ExitCode> {
         memory::allow((FOR_FACTORS * free as f64) as u64);
     }
     let root = root::Root::find(cli.root)?;
-    plan::read_external(&root)?;
+    plan::take_external(&root)?;
     match cli.command {
         Command::Bench(args) => return bench::run(root.needed()?, &args),
         Command::Plan(args) => show::run(root.needed()?, &args)?,

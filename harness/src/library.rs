@@ -4,7 +4,7 @@
 mod simulation;
 
 use crate::cli::bench;
-use crate::plan::{Curves, Method, read_external};
+use crate::plan::{Curves, Method, take_external};
 use crate::problems::{CaseProblem, Problem};
 use crate::root::{Root, is_toml, stem};
 use crate::run::{Recorder, asked, in_the_pool, outcome, to_json};
@@ -192,7 +192,7 @@ pub fn solve(text: &str, request: &str, stops: impl Fn() -> bool + Send + Sync) 
 /// the first.
 fn root() -> Result<Root> {
     let root = Root::find(None)?;
-    read_external(&root)?;
+    take_external(&root)?;
     Ok(root)
 }
 

@@ -1,15 +1,16 @@
 //! The active set: where it ends, what it shows on the way, and what it costs when it knows the set.
 
 use crate::friction::{rough, with_friction};
-use crate::friction_latin::smooth;
 use crate::problems::{PACKINGS, first_problem, frozen, impulses, start};
 use active_set::{ActiveSet, Start};
 use analysis::Meter;
+use contact::acceleration::Acceleration;
 use contact::{Iteration, Measure, Packing, RoughDiscs, Solver};
+use nsgs::Nsgs;
 use reference::{InteriorPoint, certify};
 use runner::{Stop, solve};
 
-const STARTS: [Start; 3] = [Start::Cg, Start::ColdSet, Start::InteriorPoint];
+const STARTS: [Start; 4] = [Start::Cg, Start::Sweeps, Start::ColdSet, Start::InteriorPoint];
 
 fn method(start: Start) -> ActiveSet {
     ActiveSet { start: Some(start), ..ActiveSet::default() }
@@ -140,15 +141,20 @@ fn work_of_the_active_set_is_counted() {
         assert!(solves >= iterations / 2 && solves <= 4 * iterations, "{work:?}");
         assert!(work.delassus_products > iterations, "{work:?}");
     }
-    let cg = cg::Cg { preconditioner: cg::Preconditioner::Diagonal };
-    let (mut run, mut alone) = (start(&ActiveSet::default(), &problem), start(&cg, &problem));
-    // The impulses of the start have a velocity too, in either unknowns.
-    let at_start = run.work().delassus_products - alone.work().delassus_products;
-    for _ in 0..20 {
-        run.advance();
-        alone.advance();
-        assert_eq!(run.work().delassus_products, alone.work().delassus_products + at_start);
-        assert_eq!(impulses(&*run, &problem), impulses(&*alone, &problem));
+    let cg: Box<dyn Solver> = Box::new(cg::Cg { preconditioner: cg::Preconditioner::Diagonal });
+    let sweeps: Box<dyn Solver> = Box::new(Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() });
+    for (begin, alone) in [(Start::Cg, cg), (Start::Sweeps, sweeps)] {
+        let (mut run, mut alone) = (start(&method(begin), &problem), start(&*alone, &problem));
+        // The impulses of the start have a velocity too, in either unknowns.
+        let at_start = run.work().delassus_products - alone.work().delassus_products;
+        for _ in 0..20 {
+            run.advance();
+            alone.advance();
+            let (work, of_alone) = (run.work(), alone.work());
+            assert_eq!(work.delassus_products, of_alone.delassus_products + at_start, "{begin:?}");
+            assert_eq!(work.contact_updates, of_alone.contact_updates, "{begin:?}");
+            assert_eq!(impulses(&*run, &problem), impulses(&*alone, &problem), "{begin:?}");
+        }
     }
 }
 
@@ -180,18 +186,10 @@ fn where_conjugate_gradients_stall_it_ends_certified() {
 #[test]
 fn starts_that_a_mechanics_lacks_are_refused() {
     let frictional = rough("rough-250").problem;
-    let frictionless = smooth(&frictional);
-    let refusal = |begin, has_friction: bool| {
-        let method = method(begin);
-        let refused = if has_friction {
-            Solver::start(&method, &frictional, &vec![0.0; frictional.impulse_count()]).err()
-        } else {
-            Solver::start(&method, &frictionless, &vec![0.0; frictionless.impulse_count()]).err()
-        };
-        refused.unwrap().to_string()
-    };
-    assert!(refusal(Start::Sweeps, false).contains("its sweeps are for problems with friction"));
     for begin in [Start::Cg, Start::InteriorPoint] {
-        assert!(refusal(begin, true).contains("its interior point are for problems without friction"));
+        let refused =
+            Solver::start(&method(begin), &frictional, &vec![0.0; frictional.impulse_count()]).err();
+        let refused = refused.unwrap().to_string();
+        assert!(refused.contains("its interior point are for problems without friction"), "{refused}");
     }
 }

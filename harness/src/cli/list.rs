@@ -11,7 +11,9 @@ use anyhow::Result;
 use cases::{AnyFrozen, Case};
 use clap::ValueEnum;
 use lineup::Posed;
+use rayon::prelude::*;
 use reports::Chart;
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -20,6 +22,9 @@ pub(crate) struct Args {
     /// Print a Markdown table, as the READMEs have it; plans with their numbers of runs
     #[arg(long)]
     markdown: bool,
+    /// Start each other code, and say which are installed, and in which version
+    #[arg(long)]
+    installed: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -38,7 +43,7 @@ enum What {
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
     let (headings, rows) = match args.what {
-        What::Methods if !args.markdown => return say_methods(),
+        What::Methods if !args.markdown => return say_methods(args.installed),
         What::Methods => (vec!["method", "is"], methods_in_brief()),
         What::Charts => (vec!["chart", "figures and tables", "shows"], charts()),
         What::Cases => (vec!["case", "is"], cases(root.needed()?)?),
@@ -77,12 +82,12 @@ fn cases(root: &Root) -> Result<Vec<Vec<String>>> {
 }
 
 fn problems(root: &Root) -> Result<Vec<Vec<String>>> {
-    let mut rows = Vec::new();
-    for path in root.all(Kind::Frozen)? {
-        let frozen = AnyFrozen::read(&path)?;
+    let row = |path: &PathBuf| {
+        let frozen = AnyFrozen::read(path)?;
         let source = frozen.source().to_owned();
-        rows.push(vec![code(&stem(&path)), lineup::problem(frozen).facts().size(), source]);
-    }
+        Ok(vec![code(&stem(path)), lineup::problem(frozen).facts().size(), source])
+    };
+    let mut rows = root.all(Kind::Frozen)?.par_iter().map(row).collect::<Result<Vec<_>>>()?;
     for path in root.all(Kind::Foreign)? {
         let Held::Local(problem) = read(&path)? else { continue };
         let size = Posed::W(Box::new(problem)).facts().size();
@@ -96,7 +101,7 @@ fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for path in root.all(Kind::Plan)? {
         let name = stem(&path);
-        let mut row = vec![code(&name), Plan::read(&path, false)?.why];
+        let mut row = vec![code(&name), Plan::why_of(&path)?];
         if counted {
             row.push(runs(root, StudyArgs::plan(&name, false).selection(root)?)?.to_string());
         }
@@ -105,19 +110,21 @@ fn plans(root: &Root, counted: bool) -> Result<Vec<Vec<String>>> {
     Ok(rows)
 }
 
-fn say_methods() -> Result<()> {
-    // Other codes are slow to say their versions: all at once.
-    std::thread::scope(|scope| {
-        for entry in methods() {
-            if let Entry::File(external) = entry {
-                scope.spawn(move || external.version().is_ok());
+fn say_methods(installed: bool) -> Result<()> {
+    if installed {
+        // Other codes are slow to say their versions: all at once.
+        std::thread::scope(|scope| {
+            for entry in methods() {
+                if let Entry::File(external) = entry {
+                    scope.spawn(move || external.version().is_ok());
+                }
             }
-        }
-    });
+        });
+    }
     for entry in methods() {
         say(format_args!("{:<16}{}", entry.name(), entry.what()))?;
         if let Entry::File(external) = entry {
-            say_installed(external)?;
+            say_installed(external, installed)?;
         }
         let settings = entry.settings();
         for (key, default) in entry.defaults()? {
@@ -130,13 +137,13 @@ fn say_methods() -> Result<()> {
     wrong().try_for_each(|(name, error)| say(format_args!("{name:<16}not read: {error}")))
 }
 
-/// Prints whether another code is installed, and if not, the command that installs it.
-fn say_installed(external: &External) -> Result<()> {
-    match external.version() {
-        Ok(version) => say(format_args!("      another code, installed: {version}")),
-        Err(why) => {
-            say(format_args!("      another code, not installed ({why}); this installs it:"))?;
-            say(format_args!("          {}", external.install()))
-        }
-    }
+/// Prints whether another code is installed, if that is `asked`, and the command that installs it.
+fn say_installed(external: &External, asked: bool) -> Result<()> {
+    let is_there = match asked.then(|| external.version()) {
+        Some(Ok(version)) => return say(format_args!("      another code, installed: {version}")),
+        Some(Err(why)) => format!("not installed ({why})"),
+        None => "--installed says whether it is here".to_owned(),
+    };
+    say(format_args!("      another code, {is_there}; this installs it:"))?;
+    say(format_args!("          {}", external.install()))
 }

@@ -178,6 +178,16 @@ impl Plan {
         read().with_context(|| path.display().to_string())
     }
 
+    /// Returns the question of a plan, of which nothing else is checked.
+    pub(crate) fn why_of(path: &Path) -> Result<String> {
+        #[derive(Deserialize)]
+        struct Head {
+            why: String,
+        }
+        let read = |text: String| Ok(toml::from_str::<Head>(&text)?.why);
+        read_text(path).and_then(read).with_context(|| path.display().to_string())
+    }
+
     /// The plan with the keys of `quick` in place of its own: those of `stop` and `simulate` one by one, all others whole.
     fn quick(&self, text: &str) -> Result<Option<Self>> {
         let Some(quick) = &self.quick else { return Ok(None) };

@@ -9,6 +9,7 @@ use lineup::{METHODS, Ours, Settings};
 use partition::{Grid, Scheme};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// A method with all its parameters.
@@ -78,12 +79,32 @@ impl Entry {
     }
 }
 
-/// Other codes by their names, each with its description, or with what is wrong with that.
-static EXTERNAL: OnceLock<Vec<(String, Result<&'static External, String>)>> = OnceLock::new();
+/// Another code of the checkout, whose description is read once it is asked for.
+struct Described {
+    name: String,
+    path: PathBuf,
+    read: OnceLock<Result<&'static External, String>>,
+}
 
-/// Reads the other codes of the checkout, unless some were read: from now on they are methods as well. A wrong description is an error
+impl Described {
+    /// Returns the code by its description, or what is wrong with that.
+    fn get(&self) -> Result<&'static External, &str> {
+        // Once in the life of the program, and for as long.
+        let read = || External::read(&self.path).map(|external| &*Box::leak(Box::new(external)));
+        let read = self.read.get_or_init(|| read().map_err(|error| format!("{error:#}")));
+        read.as_ref().map(|external| *external).map_err(String::as_str)
+    }
+}
+
+static EXTERNAL: OnceLock<Vec<Described>> = OnceLock::new();
+
+fn external() -> impl Iterator<Item = &'static Described> {
+    EXTERNAL.get().into_iter().flatten()
+}
+
+/// Takes the other codes of the checkout, unless some were taken: from now on they are methods as well. A wrong description is an error
 /// where its code is named.
-pub(crate) fn read_external(root: &Root) -> Result<()> {
+pub(crate) fn take_external(root: &Root) -> Result<()> {
     if EXTERNAL.get().is_some() {
         return Ok(());
     }
@@ -93,9 +114,7 @@ pub(crate) fn read_external(root: &Root) -> Result<()> {
         if METHODS.iter().any(|ours| ours.name == name) {
             bail!("{}: `{name}` is a method of ours", path.display());
         }
-        // Once in the life of the program, and for as long.
-        let external = External::read(&path).map(|external| &*Box::leak(Box::new(external)));
-        entries.push((name, external.map_err(|error| format!("{error:#}"))));
+        entries.push(Described { name, path, read: OnceLock::new() });
     }
     drop(EXTERNAL.set(entries));
     Ok(())
@@ -103,19 +122,18 @@ pub(crate) fn read_external(root: &Root) -> Result<()> {
 
 /// Every method: ours, then other codes.
 pub(crate) fn methods() -> impl Iterator<Item = Entry> {
-    let others = EXTERNAL.get().into_iter().flatten().filter_map(|(_, external)| external.as_ref().ok());
-    METHODS.iter().map(Entry::Ours).chain(others.map(|external| Entry::File(external)))
+    METHODS.iter().map(Entry::Ours).chain(external().filter_map(|code| code.get().ok().map(Entry::File)))
 }
 
 /// Returns the other codes whose descriptions are wrong, each by its name, with the error.
 pub(crate) fn wrong() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let others = EXTERNAL.get().into_iter().flatten();
-    others.filter_map(|(name, external)| Some((&**name, &**external.as_ref().err()?)))
+    external().filter_map(|code| Some((&*code.name, code.get().err()?)))
 }
 
 /// The method of this name, if there is one.
 pub(crate) fn method(name: &str) -> Option<Entry> {
-    methods().find(|entry| entry.name() == name)
+    let ours = METHODS.iter().find(|entry| entry.name == name).map(Entry::Ours);
+    ours.or_else(|| external().find(|code| code.name == name)?.get().ok().map(Entry::File))
 }
 
 /// Names of all methods.

@@ -1,7 +1,7 @@
 //! The command line of `gravel-mpi`, at each rank.
 
 use crate::cli::split::Args as SplitArgs;
-use crate::plan::read_external;
+use crate::plan::take_external;
 use crate::root::Root;
 use crate::run::{few, in_the_pool};
 use crate::team::share::Posted;
@@ -79,7 +79,7 @@ pub(crate) fn main() -> ExitCode {
 fn run(posted: &Posted, cli: &Cli) -> Result<ExitCode> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.threads.get()).build_global()?;
     let root = posted.agree(Root::find(cli.root.clone()))?;
-    posted.agree(read_external(&root))?;
+    posted.agree(take_external(&root))?;
     exit::listen_for_interrupts("the runs that had ended are kept").context("at this rank")?;
     match &cli.command {
         Command::Split(args) => split::run(posted, &root, args),

@@ -128,7 +128,7 @@ fn code_that_is_not_there_or_cannot_do_it_is_skipped_and_told() {
     let row = ran(&absent, "").remove(0);
     assert_eq!(row["status"], "skipped");
     assert_eq!(row["reason"], "code is not installed (no such code); `install code` installs it");
-    let listed = study(&absent).gravel(&["list", "methods"]).succeeded().stdout;
+    let listed = study(&absent).gravel(&["list", "methods", "--installed"]).succeeded().stdout;
     assert!(
         listed.contains("not installed (no such code)") && listed.contains("          install code\n"),
         "{listed}"

@@ -17,7 +17,8 @@ fn accuracy(runs: &[RunRow]) -> f64 {
     ACCURACIES.into_iter().filter(|accuracy| *accuracy >= asked).fold(ACCURACIES[0], f64::min)
 }
 
-/// `peers`: a row for each run; and `peers-ratios`: the median ratio of each method.
+/// `peers`: a row for each run; `peers-ratios`: the median ratio of each method; and each other code beside the best of ours at each
+/// accuracy, problem by problem in `peers-problems`, over all of them in `peers-codes`.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let accuracy = accuracy(runs);
@@ -32,9 +33,14 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         repeats(&study.runs),
         reasons(&study.runs)
     );
+    let pairs = pairs(runs);
+    let of_best = "\nSeconds: those of the best setting of the code, and of the best of our methods, to a sample that is as accurate and stays so. \
+                   Ratio: of the code's to ours.\n";
     vec![
         Part::table("peers", table(&rows), note),
         Part::table("peers-ratios", ratios(&rows), format!("\nReached: {there}.\n")),
+        Part::table("peers-problems", by_problem(&pairs), of_best.to_owned()),
+        Part::table("peers-codes", by_code(&pairs), "\nRatio: of the seconds of the code's best setting to those of the best of ours, over the problems that both solve.\n".to_owned()),
     ]
 }
 
@@ -81,6 +87,87 @@ fn reached(run: &RunRow, accuracy: f64) -> Option<Reached> {
     let value = |key: &str| rung[key].as_f64();
     let seconds = value("setup_s")? + value("solve_s")?;
     Some(Reached { seconds, process_s: value("process_s"), asked: value("tolerance") })
+}
+
+/// Another code and ours on a problem, each by its best setting to an accuracy.
+struct Pair<'r> {
+    problem: &'r str,
+    accuracy: f64,
+    code: &'r str,
+    /// Label and seconds.
+    theirs: Option<(String, f64)>,
+    ours: Option<(String, f64)>,
+}
+
+impl Pair<'_> {
+    /// Returns the seconds of the other code over ours.
+    fn ratio(&self) -> Option<f64> {
+        Some(self.theirs.as_ref()?.1 / self.ours.as_ref()?.1)
+    }
+}
+
+/// Returns a pair for each accuracy, other code, and problem that it was run on.
+fn pairs(runs: &[RunRow]) -> Vec<Pair<'_>> {
+    let is_other = |run: &RunRow| !run.provenance.other_code.is_empty();
+    let best = |of: &dyn Fn(&&RunRow) -> bool, accuracy: f64| {
+        let seconds = |run: &RunRow| Some((run.label(), reached(run, accuracy)?.seconds));
+        runs.iter().filter(of).filter_map(seconds).min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let codes = unique(runs.iter().filter(|run| is_other(run)).map(|run| run.method.as_str()));
+    let mut pairs = Vec::new();
+    for code in codes {
+        for accuracy in ACCURACIES {
+            for problem in problems(runs) {
+                let here = |run: &&RunRow| run.problem == problem && run.status != Ending::Skipped;
+                if !runs.iter().any(|run| here(&run) && run.method == code) {
+                    continue;
+                }
+                let theirs = best(&|run| here(run) && run.method == code, accuracy);
+                let ours = best(&|run| here(run) && !is_other(run), accuracy);
+                pairs.push(Pair { problem, accuracy, code, theirs, ours });
+            }
+        }
+    }
+    pairs
+}
+
+fn by_problem(pairs: &[Pair]) -> DataFrame {
+    let seconds = |of: &Option<(String, f64)>| of.as_ref().map(|(_, seconds)| *seconds);
+    let label = |of: &Option<(String, f64)>| of.as_ref().map(|(label, _)| label.clone());
+    frame(df!(
+        "problem" => pairs.iter().map(|pair| pair.problem).collect::<Vec<_>>(),
+        "accuracy" => pairs.iter().map(|pair| pair.accuracy).collect::<Vec<_>>(),
+        "code" => pairs.iter().map(|pair| pair.code).collect::<Vec<_>>(),
+        "its_best" => pairs.iter().map(|pair| label(&pair.theirs)).collect::<Vec<_>>(),
+        "its_seconds" => pairs.iter().map(|pair| seconds(&pair.theirs)).collect::<Vec<_>>(),
+        "our_best" => pairs.iter().map(|pair| label(&pair.ours)).collect::<Vec<_>>(),
+        "our_seconds" => pairs.iter().map(|pair| seconds(&pair.ours)).collect::<Vec<_>>(),
+        "ratio" => pairs.iter().map(Pair::ratio).collect::<Vec<_>>(),
+    ))
+}
+
+fn by_code(pairs: &[Pair]) -> DataFrame {
+    let codes = unique(pairs.iter().map(|pair| pair.code));
+    let of_code = |code| ACCURACIES.map(|accuracy| (code, accuracy));
+    let keys: Vec<(&str, f64)> = codes.into_iter().flat_map(of_code).collect();
+    let is_of = |pair: &Pair, key: &(&str, f64)| (pair.code, pair.accuracy) == *key;
+    let count = |is: &dyn Fn(&Pair) -> bool| {
+        let of = |key| pairs.iter().filter(|pair| is_of(pair, key) && is(pair)).count() as u64;
+        keys.iter().map(of).collect::<Vec<_>>()
+    };
+    let of = |key| pairs.iter().filter(|pair| is_of(pair, key)).filter_map(Pair::ratio).collect();
+    let ratios: Vec<Vec<f64>> = keys.iter().map(of).collect();
+    let ranges: Vec<_> = ratios.iter().map(|ratios| span(ratios.iter().copied())).collect();
+    frame(df!(
+        "code" => keys.iter().map(|(code, _)| *code).collect::<Vec<_>>(),
+        "accuracy" => keys.iter().map(|(_, accuracy)| *accuracy).collect::<Vec<_>>(),
+        "problems" => count(&|_| true),
+        "it_reached" => count(&|pair| pair.theirs.is_some()),
+        "we_reached" => count(&|pair| pair.ours.is_some()),
+        "least_ratio" => ranges.iter().map(|range| Some((*range)?.0)).collect::<Vec<_>>(),
+        "median_ratio" => ratios.into_iter().map(median).collect::<Vec<_>>(),
+        "most_ratio" => ranges.iter().map(|range| Some((*range)?.1)).collect::<Vec<_>>(),
+    ))
 }
 
 fn table(rows: &[Row]) -> DataFrame {

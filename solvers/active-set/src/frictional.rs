@@ -16,19 +16,12 @@ mod proximal;
 
 pub(crate) use layout::Layout;
 
-use crate::{ActiveSet, Best, Convex, Start};
-use contact::acceleration::Acceleration;
-use contact::{
-    Frictional, Iteration, Mechanics, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work,
-};
+use crate::{ACCURACY_OF_DEARER, ActiveSet, Best, Convex, LOOK, RUNG, Start, accelerated};
+use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
-use nsgs::Nsgs;
 use proximal::Proximal;
-
-/// Ratio of a residual threshold to the residual of the last try (–).
-const RUNG: f64 = 0.1;
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
@@ -41,19 +34,8 @@ const LIFT: f64 = 0.3;
 /// without bound.
 const MOST: f64 = 10.0;
 
-/// Sweeps from one look at the residual to the next: a look costs about as much as two.
-const LOOK: u64 = 25;
-
 /// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
-
-/// Accelerated sweeps from the impulses `r0` (N·s).
-fn accelerated<'p, M: Mechanics>(
-    problem: &'p Packing<M>,
-    r0: &[f64],
-) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-    Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() }.start(problem, r0)
-}
 
 /// Phase of an iteration.
 #[derive(Clone, Copy)]
@@ -272,14 +254,14 @@ impl ActiveSet {
     where
         Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
     {
-        SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
+        let accuracy = self.accuracy(ACCURACY_OF_DEARER)?;
         let expected = "sweeps or cold-set: cg and its interior point are for problems without friction";
         for (start, name) in [(Start::Cg, "cg"), (Start::InteriorPoint, "interior-point")] {
             SetupError::unless(self.start != Some(start), "start", name, expected)?;
         }
         let at_once = self.start == Some(Start::ColdSet);
         let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
-        let (left, rung) = (newton.left_by(r0), self.start_accuracy * scale);
+        let (left, rung) = (newton.left_by(r0), accuracy * scale);
         let mut run: Run<P, D, N> = Run {
             problem,
             sweeps: accelerated(problem, r0)?,

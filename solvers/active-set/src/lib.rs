@@ -1,5 +1,5 @@
-//! Primal-dual active set on min over r ≥ 0 of q(r) = ½ rᵗ W r + bᵗ r, begun by conjugate gradients: the solution to round-off
-//! for a few sparse factorisations.
+//! Primal-dual active set on min over r ≥ 0 of q(r) = ½ rᵗ W r + bᵗ r, begun by accelerated sweeps of Gauss-Seidel: the solution to
+//! round-off for a few sparse factorisations.
 //!
 //! M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set strategy as a semismooth Newton method, SIAM J. Optim. 13
 //! (2002) 865-888; with the proximal term of R. T. Rockafellar, Augmented Lagrangians and applications of the proximal point
@@ -7,13 +7,13 @@
 //! than equilibrium needs, and chooses among their impulses those nearest to the given ones.
 //!
 //! Near a solution each set is nearly that of the solution, and the last is it: the iterate is then exact. Far from it sets can
-//! wander or come back. So an iteration is one of three: of the conjugate gradient, until what is left of the law is small, or an
-//! interior point would have been cheaper; of the active set, as long as each few sets leave less than all before; of an interior
-//! point, which finds its way from anywhere, until what is left is a hundredth of what it was, and the active set tries again. Where
-//! the interior point finds no way on either, conjugate gradients go on from the best impulses, twice as long each time.
+//! wander or come back. So an iteration is one of three: a sweep, until what is left of the law is small, or an interior point would
+//! have been cheaper; of the active set, as long as each few sets leave less than all before; of an interior point, which finds its way
+//! from anywhere, until what is left is a hundredth of what it was, and the active set tries again. Where the interior point finds no
+//! way on either, sweeps go on from the best impulses, twice as many each time. Conjugate gradients may take the place of sweeps.
 //!
-//! With friction accelerated sweeps of Gauss-Seidel take the place of conjugate gradients, Newton's method on the statuses open, stick
-//! and slide that of the set, and proximal points that of the interior point (`frictional.rs`).
+//! With friction Newton's method on the statuses open, stick and slide takes the place of the set, and proximal points that of the
+//! interior point (`frictional.rs`).
 
 mod cone;
 mod convex;
@@ -28,19 +28,22 @@ pub use inner::{Inner, PENALTY, Whole};
 pub use set::Set;
 
 use cg::{Cg, Preconditioner};
-use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
+use contact::acceleration::Acceleration;
+use contact::{Iteration, Mechanics, Packing, SetupError, Smooth, Solver, Work};
 use interior::Interior;
+use nsgs::Nsgs;
 use scaled::Scaled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Method that finds the first set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// By conjugate gradients, preconditioned by the diagonal of W; for problems without friction, whose default it is.
+    /// By conjugate gradients, preconditioned by the diagonal of W; for problems without friction.
     Cg,
-    /// By accelerated sweeps of Gauss-Seidel; for problems with friction, whose default it is.
+    /// By accelerated sweeps of Gauss-Seidel.
+    #[default]
     Sweeps,
     /// By the law from the start impulses: without any, the contacts that approach.
     ColdSet,
@@ -52,22 +55,27 @@ pub enum Start {
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ActiveSet {
-    /// Method that finds the first set: unless given `cg`, with friction `sweeps`.
+    /// Method that finds the first set: unless given `sweeps`.
     pub start: Option<Start>,
-    /// Residual of the law at which the first set is taken, as a natural map (–).
-    pub start_accuracy: f64,
+    /// Residual of the law at which the first set is taken, as a natural map (–): unless given 1e-3, with friction or conjugate gradients 3e-3.
+    pub start_accuracy: Option<f64>,
     /// Warm start: start impulses, where there are some, take the place of `start`: the first set is theirs, with friction if they
     /// reach `start_accuracy`.
     pub warm: bool,
 }
 
-/// On 18 packings of 60 to 10,000 discs, frozen, settled and deposited, this takes in the mean 1.2 times as long as the best of
-/// 1e-1 to 1e-3 for each, and never more than 2.1 times; 1e-2 likewise, but up to 2.8 times.
 impl Default for ActiveSet {
     fn default() -> Self {
-        Self { start: None, start_accuracy: 3e-3, warm: true }
+        Self { start: None, start_accuracy: None, warm: true }
     }
 }
+
+/// Residual of the law at which the first set is taken, as a natural map (–). On 18 packings of 60 to 10,000 discs and 250 to 3,000
+/// spheres 1e-3 takes in the mean 1.2 times as long as the best of 1e-2 to 3e-4 for each, and never more than 2.5 times.
+const ACCURACY: f64 = 1e-3;
+
+/// That with friction, after conjugate gradients, and where there is W alone (–): iterations are dearer there.
+pub const ACCURACY_OF_DEARER: f64 = 3e-3;
 
 /// Sets one after the other that leave no less than one before, after which another way is taken.
 const PATIENCE: u32 = 8;
@@ -75,14 +83,31 @@ const PATIENCE: u32 = 8;
 /// Largest ratio of the residual after an interior point's steps to that before them (–).
 const NEARER: f64 = 1e-2;
 
-/// Steps of an interior point that a conjugate gradient may take the time of (–): twice those that lead to the neighbourhood of a
-/// solution.
+/// Steps of an interior point that the start may take the time of (–): twice those that lead to the neighbourhood of a solution.
 const STEPS: f64 = 28.0;
 
+/// Time of an accelerated sweep and of an iteration of the conjugate gradient at a contact (ns).
+const SWEEP: f64 = 4.0;
+const GRADIENT: f64 = 6.0;
+
+/// Ratio of a residual at which sets, or Newton's method, are tried to that of the last try (–).
+const RUNG: f64 = 0.1;
+
+/// Sweeps from one look at the residual to the next: a look costs about as much as two.
+const LOOK: u64 = 25;
+
+/// Method of the start.
+enum By<'p, const D: usize> {
+    Sweeps(Box<dyn Iteration + 'p>),
+    /// Its residual is known after each iteration.
+    Gradient(Box<cg::Run<D>>),
+}
+
 /// Phase of an iteration.
-enum Phase<const D: usize> {
-    /// Conjugate gradients, for so many iterations at most.
-    Gradient { run: Box<cg::Run<D>>, iterations: u64, most: u64 },
+#[derive(Clone, Copy)]
+enum Phase {
+    /// The start.
+    Begun,
     /// Sets.
     Set,
     /// An interior point, until so much is left (√J).
@@ -95,16 +120,19 @@ enum Phase<const D: usize> {
 pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
     problem: &'p Packing<Smooth<D>>,
     set: Set<D, K>,
-    phase: Phase<D>,
+    phase: Phase,
+    /// Method of the start, and of what follows where all else fails; its run, iterations, and how many it may take.
+    start: Start,
+    begun: Option<By<'p, D>>,
+    iterations: u64,
+    most: u64,
     interior: Option<Interior>,
     /// True where the interior point found no way on.
     is_lost: bool,
-    /// Residual that the conjugate gradient is to reach (√J).
+    /// Residual that the start is to reach (√J).
     accuracy: f64,
-    /// Iterations that the next conjugate gradient may take.
-    most: u64,
-    /// Products of the conjugate gradients that ended.
-    products: u64,
+    /// Work of the starts that ended.
+    ended: Work,
     /// √(Σ max(0, −b)²/`W_αα`) (√J).
     scale: f64,
     best: Best,
@@ -141,21 +169,61 @@ impl Best {
     }
 }
 
+impl<'p, const D: usize> By<'p, D> {
+    /// The method of `start` on a `problem`, from impulses (N·s).
+    fn new(start: Start, problem: &'p Packing<Smooth<D>>, r0: &[f64]) -> Result<Self, SetupError> {
+        if start == Start::Cg {
+            let run = Cg { preconditioner: Preconditioner::Diagonal }.run(problem, r0)?;
+            return Ok(Self::Gradient(Box::new(run)));
+        }
+        accelerated(problem, r0).map(Self::Sweeps)
+    }
+
+    fn run(&self) -> &dyn Iteration {
+        match self {
+            Self::Sweeps(run) => &**run,
+            Self::Gradient(run) => &**run,
+        }
+    }
+
+    fn advance(&mut self) {
+        match self {
+            Self::Sweeps(run) => run.advance(),
+            Self::Gradient(run) => run.advance(),
+        }
+    }
+}
+
+/// Accelerated sweeps from the impulses `r0` (N·s).
+fn accelerated<'p, M: Mechanics>(
+    problem: &'p Packing<M>,
+    r0: &[f64],
+) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() }.start(problem, r0)
+}
+
 impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
     /// Returns the linear solver for the matrices of its sets.
     pub fn inner(&self) -> &K {
         &self.set.scaled.inner
     }
 
-    fn gradient(&mut self) {
-        let Phase::Gradient { run, iterations, most } = &mut self.phase else { return };
-        run.advance();
-        *iterations += 1;
-        if run.left() <= self.accuracy || iterations == most {
-            self.products += run.work().delassus_products;
-            run.impulses(&mut self.best.impulses);
+    /// One iteration of the start, and at times a look at its residual.
+    fn begin(&mut self) {
+        let Some(begun) = &mut self.begun else { return };
+        begun.advance();
+        self.iterations += 1;
+        let is_over = self.iterations == self.most;
+        let (looks, is_near) = match begun {
+            By::Gradient(run) => (false, run.left() <= self.accuracy),
+            By::Sweeps(_) => (self.iterations.is_multiple_of(LOOK), false),
+        };
+        if looks || is_near || is_over {
+            begun.run().impulses(&mut self.best.impulses);
             self.set.begin(&self.best.impulses);
             self.best.left = self.set.left();
+        }
+        if is_near || is_over || looks && self.best.left <= self.accuracy {
             self.phase = Phase::Set;
         }
     }
@@ -188,24 +256,30 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         }
     }
 
-    /// Changes to the phase that follows where sets wander.
+    /// Changes to the phase that follows where sets wander: the start resumes, an interior point has its turn, or the start begins anew.
     fn other_way(&mut self) {
         self.tries = Tries::default();
-        if self.is_lost {
-            self.begin_gradient();
+        if self.begun.is_some() && self.iterations < self.most {
+            self.accuracy *= RUNG;
+            self.phase = Phase::Begun;
+        } else if self.is_lost {
+            self.begin_anew();
         } else {
             let left = self.interior.as_ref().map_or(self.scale, Interior::left);
             self.phase = Phase::Interior { until: NEARER * left };
         }
     }
 
-    fn begin_gradient(&mut self) {
-        let cg = Cg { preconditioner: Preconditioner::Diagonal };
-        // What was possible once is so again.
-        if let Ok(run) = cg.run(self.problem, &self.best.impulses) {
-            self.phase = Phase::Gradient { run: Box::new(run), iterations: 0, most: self.most };
+    fn begin_anew(&mut self) {
+        if let Some(ended) = self.begun.take() {
+            self.ended += ended.run().work();
+            self.most = self.most.saturating_mul(2);
         }
-        self.most = self.most.saturating_mul(2);
+        // What was possible once is so again.
+        if let Ok(begun) = By::new(self.start, self.problem, &self.best.impulses) {
+            (self.begun, self.iterations) = (Some(begun), 0);
+            self.phase = Phase::Begun;
+        }
     }
 
     fn interior(&mut self, until: f64) {
@@ -215,7 +289,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         if !interior.step(scaled) {
             self.is_lost = true;
             self.ray = self.set.ray_of(self.problem, &interior.s);
-            if self.ray.is_some() { self.phase = Phase::Ended } else { self.begin_gradient() }
+            if self.ray.is_some() { self.phase = Phase::Ended } else { self.begin_anew() }
         } else if interior.left() > until {
             let scaled = &self.set.scaled;
             self.best.take(interior.left(), |r| scaled.impulses(&interior.s, r));
@@ -234,7 +308,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
 impl<const D: usize, K: Inner<D>> Iteration for Run<'_, D, K> {
     fn advance(&mut self) {
         match self.phase {
-            Phase::Gradient { .. } => self.gradient(),
+            Phase::Begun => self.begin(),
             Phase::Set => self.set(),
             Phase::Interior { until } => self.interior(until),
             Phase::Ended => {}
@@ -242,9 +316,9 @@ impl<const D: usize, K: Inner<D>> Iteration for Run<'_, D, K> {
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        match (&self.phase, &self.ray) {
-            (_, Some(ray)) => r.copy_from_slice(ray),
-            (Phase::Gradient { run, .. }, _) => run.impulses(r),
+        match (self.phase, &self.ray, &self.begun) {
+            (_, Some(ray), _) => r.copy_from_slice(ray),
+            (Phase::Begun, _, Some(begun)) => begun.run().impulses(r),
             _ => r.copy_from_slice(&self.best.impulses),
         }
     }
@@ -255,15 +329,20 @@ impl<const D: usize, K: Inner<D>> Iteration for Run<'_, D, K> {
 
     fn work(&self) -> Work {
         let mut work = self.set.work();
-        work.delassus_products += self.products;
-        if let Phase::Gradient { run, .. } = &self.phase {
-            work += run.work();
-        }
+        work += self.ended;
+        self.begun.iter().for_each(|begun| work += begun.run().work());
         work
     }
 }
 
 impl ActiveSet {
+    /// Returns the accuracy of the start (–), which unless given is this.
+    fn accuracy(&self, or: f64) -> Result<f64, SetupError> {
+        let accuracy = self.start_accuracy.unwrap_or(or);
+        SetupError::unless_not_negative("start_accuracy", accuracy)?;
+        Ok(accuracy)
+    }
+
     /// The run that [`Solver::start`] begins, with `inner` in the place of one factor of the whole.
     ///
     /// # Errors
@@ -274,35 +353,34 @@ impl ActiveSet {
         r0: &[f64],
         inner: K,
     ) -> Result<Run<'p, D, K>, SetupError> {
-        SetupError::unless_not_negative("start_accuracy", self.start_accuracy)?;
+        let start = self.start.unwrap_or_default();
+        let accuracy = self.accuracy(if start == Start::Cg { ACCURACY_OF_DEARER } else { ACCURACY })?;
         let mut set = Set::on(Scaled::new(problem, inner));
         let scale = problem.scale().sqrt();
-        let most = (STEPS * set.step_in_iterations()).max(1.0) as u64;
+        let of_one = if start == Start::Cg { GRADIENT } else { SWEEP };
+        let most = (STEPS * set.step_ns() / of_one).max(1.0) as u64;
         set.begin(r0);
         let is_warm = self.warm && r0.iter().any(|r| *r > 0.0);
-        let phase = match self.start {
-            Some(Start::Sweeps) => {
-                let expected = "cg, cold-set or interior-point: its sweeps are for problems with friction";
-                return Err(SetupError::new("start", "sweeps", expected));
-            }
-            Some(Start::ColdSet) => Phase::Set,
+        let phase = match start {
+            Start::ColdSet => Phase::Set,
             _ if is_warm => Phase::Set,
-            Some(Start::InteriorPoint) => Phase::Interior { until: NEARER * NEARER * scale },
-            None | Some(Start::Cg) => {
-                let run = Cg { preconditioner: Preconditioner::Diagonal }.run(problem, r0)?;
-                Phase::Gradient { run: Box::new(run), iterations: 0, most }
-            }
+            Start::InteriorPoint => Phase::Interior { until: NEARER * NEARER * scale },
+            Start::Sweeps | Start::Cg => Phase::Begun,
         };
+        let begun = matches!(phase, Phase::Begun).then(|| By::new(start, problem, r0)).transpose()?;
         let best = Best { left: set.left(), impulses: r0.to_vec() };
         Ok(Run {
             problem,
             set,
             phase,
+            start,
+            begun,
+            iterations: 0,
+            most,
             interior: None,
             is_lost: false,
-            accuracy: self.start_accuracy * scale,
-            most,
-            products: 0,
+            accuracy: accuracy * scale,
+            ended: Work::default(),
             scale,
             best,
             tries: Tries::default(),

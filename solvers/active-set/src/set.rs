@@ -131,9 +131,9 @@ impl<const D: usize, K: Inner<D>> Set<D, K> {
         self.scaled.impulses(&self.s, r);
     }
 
-    /// See [`Scaled::step_in_iterations`].
-    pub(crate) fn step_in_iterations(&self) -> f64 {
-        self.scaled.step_in_iterations()
+    /// See [`Scaled::step_ns`].
+    pub(crate) fn step_ns(&self) -> f64 {
+        self.scaled.step_ns()
     }
 
     /// Work so far.

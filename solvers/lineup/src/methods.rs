@@ -44,7 +44,7 @@ pub static METHODS: &[Entry] = &[
     Entry::of::<nncg::Nncg>("nncg", "non-smooth non-linear conjugate gradient of Silcowitz et al."),
     Entry::new::<active_set::ActiveSet>(
         "active-set",
-        "primal-dual active set, begun by conjugate gradients",
+        "primal-dual active set, begun by accelerated sweeps",
         |s| build(s, active_set),
     ),
     Entry::of_every::<convex::Convex>(
@@ -91,7 +91,9 @@ fn cg(settings: &cg::Cg) -> Ours {
 }
 
 fn active_set(settings: &active_set::ActiveSet) -> Ours {
-    let method = local::Method::ActiveSet { start_accuracy: settings.start_accuracy };
+    let method = local::Method::ActiveSet {
+        start_accuracy: settings.start_accuracy.unwrap_or(active_set::ACCURACY_OF_DEARER),
+    };
     Ours { local: Some(OnW { settings: &["start_accuracy"], method: Ok(method) }), ..every(settings) }
 }
 

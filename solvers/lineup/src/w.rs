@@ -3,7 +3,6 @@
 use crate::facts::Facts;
 use crate::methods::Ours;
 use crate::problem::{Observe, OneProblem, Run};
-use active_set::ActiveSet;
 use anyhow::{Result, bail, ensure};
 use contact::Measure;
 use local::{LocalProblem, Method};
@@ -66,7 +65,7 @@ const SOLVED: Stop = Stop { on: Measure::NaturalMap, tolerance: 1e-12, max_itera
 
 /// Returns the impulses of a solution of W alone (N·s), if the active set ends at one. With friction there may be others.
 pub fn solution(problem: &LocalProblem) -> Option<Vec<f64>> {
-    let method = Method::ActiveSet { start_accuracy: ActiveSet::default().start_accuracy };
+    let method = Method::ActiveSet { start_accuracy: active_set::ACCURACY_OF_DEARER };
     let observe = &mut |_: &runner::Progress| ControlFlow::Continue(());
     let outcome = solve_local(None, method, problem, &SOLVED, Measured::Needed, observe).ok()?;
     (outcome.measures.natural_map <= SOLVED.tolerance).then_some(outcome.impulses)

@@ -8,7 +8,7 @@
 //! is solved by a factor, or by conjugate gradients preconditioned by Neumann-Neumann, Σ D_E S_E⁻¹ D_Eᵗ with D_E = (Σ K_bb)⁻¹ K_bb
 //! grain by grain. S_E⁻¹ exists because every grain has a mass.
 //!
-//! With a factor of S the iterates are those of `active-set`, whatever the subdomains.
+//! With a factor of S the iterates are those of `active-set` begun by conjugate gradients, whatever the subdomains.
 //!
 //! Iceta, Dureisseix, Alart, Giens 2009, hal-00413720, §1 and its ref. \[6\]; the preconditioner is that of Y.-H. De Roeck,
 //! P. Le Tallec, Analysis and test of a local domain decomposition preconditioner, Fourth International Symposium on Domain
@@ -21,7 +21,7 @@ mod subdomain;
 
 pub use schur::Schur;
 
-use active_set::ActiveSet;
+use active_set::{ActiveSet, Start};
 use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use partition::{Grid, Scheme};
 use schemars::JsonSchema;
@@ -118,6 +118,11 @@ impl<const D: usize> Iteration for Run<'_, D> {
     }
 }
 
+/// The active set begun by conjugate gradients, whose products subdomains can share: sweeps are made one after the other.
+fn begun() -> ActiveSet {
+    ActiveSet { start: Some(Start::Cg), ..ActiveSet::default() }
+}
+
 impl<const D: usize> Solver<Smooth<D>> for NewtonSchur {
     fn start<'p>(
         &self,
@@ -126,7 +131,7 @@ impl<const D: usize> Solver<Smooth<D>> for NewtonSchur {
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         SetupError::unless_positive("inner_accuracy", self.inner_accuracy)?;
         SetupError::unless_positive("penalty", self.penalty)?;
-        let outer = ActiveSet::default().run(problem, r0, Schur::new(self, problem)?)?;
+        let outer = begun().run(problem, r0, Schur::new(self, problem)?)?;
         Ok(Box::new(Run { outer }))
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of the table of other codes.
 
 use results::schema::Ending;
-use results::schema::{End, Run, Sample};
+use results::schema::{End, Provenance, Run, Sample};
 use serde_json::json;
 
 use super::parts;
@@ -18,7 +18,15 @@ fn other() -> (Run, Vec<Sample>) {
     let last = sample(7, 1e-7, 1e-7);
     let end = End { measures: last.measures, work: last.work };
     (
-        Run { derived, end, ..run(0, "piqp", "", Ending::Converged) },
+        Run {
+            derived,
+            end,
+            provenance: Provenance {
+                other_code: "piqp 1".to_owned(),
+                ..run(0, "", "", Ending::Converged).provenance
+            },
+            ..run(0, "piqp", "", Ending::Converged)
+        },
         vec![sample(0, 1.0, 1.0), sample(5, 0.1, 0.1), last],
     )
 }
@@ -44,6 +52,11 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
     );
     let ratios: Vec<&str> = file(&files, "peers-ratios.csv").lines().skip(1).collect();
     assert_eq!(ratios, ["cg,1,1,0,1.0", "piqp,1,1,0,4.0"]);
+    // It comes to 10⁻² at its second tolerance too; ours in 0.25 + 0.25 s.
+    let codes: Vec<&str> = file(&files, "peers-codes.csv").lines().skip(1).collect();
+    assert_eq!(codes[0], "piqp,0.01,1,1,1,4.0,4.0,4.0");
+    assert_eq!(codes.len(), 3);
+    assert!(file(&files, "peers-problems.csv").contains("column,0.0001,piqp,piqp,2.0,cg,0.5,4.0"));
 }
 
 #[test]
