@@ -38,7 +38,7 @@ bench-kernels grains="1000 100000":
 count-instructions *bless:
     .ci/count-instructions {{bless}}
 
-# Bytes, flops and bandwidth of the kernels on one thread: reports/out/roofline.md
+# Bytes of an iteration, and the limits of memory and kernel, on one thread: reports/out/roofline.md
 roofline grains="1000 100000 1000000":
     mkdir -p reports/out
     GRAINS="{{grains}}" RAYON_NUM_THREADS=1 cargo bench --package harness --bench roofline | tee reports/out/roofline.md

@@ -25,7 +25,7 @@ fn main() -> Result<()> {
     for path in ["build.rs", LOCK, SOLVERS, "../cases/src", "../cases/Cargo.toml", CURVE] {
         println!("cargo::rerun-if-changed={path}");
     }
-    // Two of five milliseconds of a start went to a hundred thousand addresses of a program that may be loaded anywhere.
+    // Half of the time of a start went into relocating a hundred thousand addresses of a position-independent program.
     let target = |key: &str| std::env::var(format!("CARGO_CFG_TARGET_{key}")).unwrap_or_default();
     if target("OS") == "linux" && target("ENV") == "gnu" {
         println!("cargo::rustc-link-arg-bins=-no-pie");

@@ -20,7 +20,7 @@ struct Moves {
     grain: usize,
 }
 
-/// A row and s of each contact, y of each grain; accelerated, x of both as well. What is changed is read and written.
+/// Returns the bytes of a sweep: a row and s of each contact, y of each grain; accelerated, x of both as well. What is changed is read and written.
 fn of_sweep<M: Mechanics>(acceleration: Acceleration) -> Moves {
     let lists = if acceleration == Acceleration::None { 1 } else { 2 };
     Moves {
@@ -29,7 +29,7 @@ fn of_sweep<M: Mechanics>(acceleration: Acceleration) -> Moves {
     }
 }
 
-/// Conjugate gradients without friction: two passes over the columns; beside them p is read, r and u read and written, then r and u
+/// Returns those of conjugate gradients without friction: two passes over the columns; beside them p is read, r and u read and written, then r and u
 /// read, p read and written. A grain's y is squared with its weight, read, cleared and pushed. What the maximum adds, and the product of
 /// every 16th iteration, are left out.
 fn of_cg<M: Mechanics>() -> Moves {
@@ -64,7 +64,7 @@ fn triad(bytes: usize) -> f64 {
     24.0 * n as f64 / seconds
 }
 
-/// The rows of one mechanics: its packings by the number of grains.
+/// Prints the rows of one mechanics, whose `packing` has so many grains.
 fn rows<M: Mechanics>(
     mechanics: &str,
     packing: impl Fn(usize) -> Frozen<M>,
@@ -99,7 +99,7 @@ fn rows<M: Mechanics>(
     }
 }
 
-/// Plain and accelerated sweeps.
+/// Returns plain and accelerated sweeps.
 fn sweeps<M: Mechanics>() -> Vec<(&'static str, Box<dyn Solver<M>>, Moves)>
 where
     Nsgs: Solver<M>,
@@ -113,18 +113,14 @@ where
         .collect()
 }
 
-/// Sweeps and conjugate gradients.
+/// Returns sweeps and conjugate gradients.
 fn smooth<M: Mechanics>() -> Vec<(&'static str, Box<dyn Solver<M>>, Moves)>
 where
     Nsgs: Solver<M>,
     Cg: Solver<M>,
 {
     let mut methods = sweeps::<M>();
-    methods.push((
-        "cg",
-        Box::new(Cg { preconditioner: Preconditioner::None, ..Cg::default() }),
-        of_cg::<M>(),
-    ));
+    methods.push(("cg", Box::new(Cg { preconditioner: Preconditioner::None }), of_cg::<M>()));
     methods
 }
 

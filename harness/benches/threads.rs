@@ -44,7 +44,7 @@ fn main() {
     }
 }
 
-/// The rows of one packing.
+/// Prints the rows of one packing.
 fn table<M: Mechanics>(pools: &[ThreadPool; 2], mechanics: &str, frozen: &Frozen<M>)
 where
     NsgsDd: Solver<M>,

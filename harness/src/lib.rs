@@ -141,7 +141,7 @@ mod problems {
     pub(crate) use given::Given;
     pub(crate) use parts::{Impulses, write_parts};
     pub(crate) use planned::{PlannedProblem, Problem, combined, planned};
-    pub(crate) use pool::polished_to;
+    pub(crate) use pool::{certified, polished_to};
     pub(crate) use reference::{Found, Known, found};
     pub(crate) use scene::Scene;
 }
@@ -162,7 +162,7 @@ mod plan {
     pub(crate) use axes::{MOST, Settings, combinations, count, values};
     pub(crate) use checks::MOST_REPEATS;
     pub(crate) use external::{External, Programme, last_line};
-    pub(crate) use file::{Curves, Plan, PlannedCase, chart};
+    pub(crate) use file::{Curves, Plan, PlannedCase, chart, yes};
     pub(crate) use marcher::Marcher;
     pub(crate) use methods::{
         Entry, Method, Runs, all_typed, key_value, method, method_names, methods, refuse_repeated,

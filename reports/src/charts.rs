@@ -103,7 +103,7 @@ const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "peers",
-        makes: "`peers`, `peers-ratios`, `peers-problems`, `peers-codes`",
+        makes: "`peers`, `peers-ratios`, `peers-problems`, `peers-codes`, `peers-tolerances`",
         shows: "ours and other codes: error reached, seconds by the code's own clock and of its process, ratio to the fastest of each problem",
         parts: Parts::Problems(peers::parts),
     },

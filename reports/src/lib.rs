@@ -76,14 +76,15 @@ pub fn report(
     replace(&files, out)
 }
 
-/// Fills a template with numbers of a study: of its rows, and of the tables of its `charts`.
+/// Fills a template with numbers of a study: of its rows, of their table, and of the tables of its `charts`.
 ///
 /// # Errors
 ///
 /// If the template is none, or asks for what is not there.
 pub fn fill(study: &Stored, charts: &[Chart], template: &str) -> Result<String, ReportError> {
     let read = Study::from(study);
-    let parts = charts.iter().flat_map(|chart| chart.parts(&read));
+    let rows = text::rows(&read)?;
+    let parts = std::iter::once(rows).chain(charts.iter().flat_map(|chart| chart.parts(&read)));
     let table = |part: Part| match part.kind {
         Kind::Table(table) => Some((part.name, table.all)),
         Kind::Figure(_) | Kind::Text(_) => None,

@@ -110,7 +110,7 @@ pub struct Run {
 }
 
 /// Returns the value in rows older than a column.
-fn undefined() -> f64 {
+pub(crate) fn undefined() -> f64 {
     f64::NAN
 }
 

@@ -10,7 +10,7 @@ use crate::error::RowError;
 use crate::journal::{Entry, named};
 use crate::json;
 use crate::name::{self, Name, StopOn};
-use crate::schema::{Provenance, Timing};
+use crate::schema::{Provenance, Timing, undefined};
 
 /// One simulation: a scene through time, each time step solved by one method until one stop rule.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -208,7 +208,7 @@ pub struct Observed {
     #[serde(with = "number")]
     pub greatest_speed_m_per_s: f64,
     /// Greatest distance of a grain from where it was when time began (m); NaN in journals older than this column.
-    #[serde(default = "unknown", with = "number")]
+    #[serde(default = "undefined", with = "number")]
     pub greatest_displacement_m: f64,
     /// All impulses of the contacts with the floor and its bumps, the drum and the segments since the row before (N·s).
     #[serde(with = "number")]
@@ -231,10 +231,6 @@ pub struct Observed {
     /// Shape of the packing, and what has left it.
     #[serde(flatten)]
     pub shape: Shape,
-}
-
-fn unknown() -> f64 {
-    f64::NAN
 }
 
 /// A simulation with its series: one line of the journal.

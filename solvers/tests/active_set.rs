@@ -78,7 +78,7 @@ fn set_of_the_solution_needs_one_factorisation() {
         let again = to_its_end(&mut *from_it, &problem);
         assert_eq!(from_it.work().factorisations, 1, "{name}");
         assert!(distance(&problem, &again, &r) < 1e-10, "{name}");
-        // Without that, conjugate gradients come first: one iteration, since they begin at the solution.
+        // Without that, sweeps come first, up to the first look at what they leave.
         let not_warm = ActiveSet { warm: false, ..ActiveSet::default() };
         let mut run = not_warm.start(&problem, &r).unwrap();
         run.advance();

@@ -7,7 +7,7 @@ use crate::exchange::{Held, read};
 use crate::plan::{Entry, External, Plan, methods, wrong};
 use crate::root::{Kind, Root, stem};
 use crate::terminal::{say, say_table};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use cases::{AnyFrozen, Case};
 use clap::ValueEnum;
 use lineup::Posed;
@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// Print a Markdown table, as the READMEs have it; plans with their numbers of runs
     #[arg(long)]
     markdown: bool,
-    /// Start each other code, and say which are installed, and in which version
+    /// Of methods: start each other code, and say which are installed, and in which version
     #[arg(long)]
     installed: bool,
 }
@@ -42,6 +42,9 @@ enum What {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<()> {
+    if args.installed && (args.markdown || !matches!(args.what, What::Methods)) {
+        bail!("--installed is for `gravel list methods` without --markdown");
+    }
     let (headings, rows) = match args.what {
         What::Methods if !args.markdown => return say_methods(args.installed),
         What::Methods => (vec!["method", "is"], methods_in_brief()),
@@ -142,7 +145,7 @@ fn say_installed(external: &External, asked: bool) -> Result<()> {
     let is_there = match asked.then(|| external.version()) {
         Some(Ok(version)) => return say(format_args!("      another code, installed: {version}")),
         Some(Err(why)) => format!("not installed ({why})"),
-        None => "--installed says whether it is here".to_owned(),
+        None => "`--installed` tells if it is there".to_owned(),
     };
     say(format_args!("      another code, {is_there}; this installs it:"))?;
     say(format_args!("          {}", external.install()))

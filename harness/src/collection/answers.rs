@@ -1,8 +1,9 @@
 //! Stored answers to a problem, and its status, which is recomputed from them.
 
+use crate::problems::certified;
 use anyhow::{Result, bail, ensure};
-use lineup::{Law, OneProblem, Posed};
-use reference::{ROUND_OFF, RoughSolution, take};
+use lineup::{Law, Posed};
+use reference::ROUND_OFF;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -131,9 +132,9 @@ impl Answers {
         let none = Standing { status: Status::NoSolution, solutions: 0, spread: None, natural_map: None };
         Ok(match self {
             Self::Solutions(all) => {
-                let different = pool(problem, all);
-                let certified = different.iter().all(|solution| solution.certificate.certified());
-                ensure!(certified && !all.is_empty(), "a stored solution is not certified");
+                let different = certified(problem, all.clone());
+                let is_certified = different.iter().all(|solution| solution.certificate.certified());
+                ensure!(is_certified && !all.is_empty(), "a stored solution is not certified");
                 ensure!(different.len() == all.len(), "two stored solutions have one velocity");
                 let least = all.iter().map(|r| natural_map(r)).fold(f64::INFINITY, f64::min);
                 let lists: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
@@ -162,14 +163,4 @@ impl Answers {
             }
         })
     }
-}
-
-/// Certifies impulses (N·s), and keeps those of different velocities.
-pub(crate) fn pool(problem: &dyn OneProblem, all: &[Vec<f64>]) -> Vec<RoughSolution> {
-    let mut pool = Vec::new();
-    for impulses in all {
-        let solution = RoughSolution { certificate: problem.certify(impulses), impulses: impulses.clone() };
-        take(&mut pool, solution, |a, b| problem.distance(a, b));
-    }
-    pool
 }

@@ -4,7 +4,7 @@ use super::answers::Answers;
 use super::entry::{Entry, Made, State, facts, of_file};
 use super::folder::Collection;
 use super::sought::sought;
-use crate::plan::{PlannedCase, Settings};
+use crate::plan::{PlannedCase, Settings, yes};
 use crate::problems::{CaseProblem, Problem, combined};
 use crate::root::Root;
 use crate::terminal::say;
@@ -31,10 +31,6 @@ pub(crate) struct Recipe {
     stored: bool,
     /// The cases, as plans have them; a `time_step` that is `rest`, `onset` or `sheared` says the state.
     cases: Vec<PlannedCase>,
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// Key of the seed of a sample.

@@ -103,7 +103,7 @@ fn charts_schema(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "array", "items": { "anyOf": [{ "enum": names }, { "allOf": [own] }] } })
 }
 
-fn yes() -> bool {
+pub(crate) fn yes() -> bool {
     true
 }
 

@@ -63,8 +63,8 @@ fn write(path: &Path, pool: &Pool) -> Result<()> {
     write_sealed(path, &serde_json::to_string(pool)?)
 }
 
-/// The solutions that kept impulses (N·s) are.
-fn certified(problem: &dyn OneProblem, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
+/// Certifies kept impulses (N·s), and returns those of different velocities.
+pub(crate) fn certified(problem: &dyn OneProblem, kept: Vec<Vec<f64>>) -> Vec<RoughSolution> {
     let (mut pool, facts) = (Vec::new(), problem.facts());
     for impulses in kept.into_iter().filter(|r| r.len() == facts.of_contact * facts.contacts) {
         let certificate = problem.certify(&impulses);

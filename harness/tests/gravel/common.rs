@@ -174,18 +174,23 @@ pub(crate) fn pair_with(pointer: &str, value: Value) -> Value {
 /// Names and default settings of all methods of ours, as the program lists them.
 pub(crate) fn methods() -> Vec<(String, Value)> {
     let mut methods = all_methods();
-    let others = other_codes();
+    let others = listed_codes(&["list", "methods"]);
     methods.retain(|(name, _)| others.iter().all(|(other, _)| other != name));
     methods
 }
 
 /// Names of the other codes that the program lists, and whether each is installed.
 pub(crate) fn other_codes() -> Vec<(String, bool)> {
-    let listed = gravel(&["list", "methods"]).succeeded().stdout;
+    listed_codes(&["list", "methods", "--installed"])
+}
+
+/// Names of the other codes that this command lists, and whether each is said to be installed.
+fn listed_codes(command: &[&str]) -> Vec<(String, bool)> {
+    let listed = gravel(command).succeeded().stdout;
     let lines: Vec<&str> = listed.lines().collect();
     let code = |pair: &[&str]| {
         let said = pair[1].trim_start().strip_prefix("another code, ")?;
-        Some((pair[0].split_whitespace().next()?.to_owned(), said.starts_with("installed")))
+        Some((pair[0].split_whitespace().next()?.to_owned(), said.starts_with("installed:")))
     };
     lines.windows(2).filter_map(code).collect()
 }

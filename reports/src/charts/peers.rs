@@ -18,7 +18,8 @@ fn accuracy(runs: &[RunRow]) -> f64 {
 }
 
 /// `peers`: a row for each run; `peers-ratios`: the median ratio of each method; and each other code beside the best of ours at each
-/// accuracy, problem by problem in `peers-problems`, over all of them in `peers-codes`.
+/// accuracy, problem by problem in `peers-problems`, over all of them in `peers-codes`; and `peers-tolerances`: what a code's own tolerance
+/// is worth.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
     let runs = &study.runs;
     let accuracy = accuracy(runs);
@@ -41,6 +42,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         Part::table("peers-ratios", ratios(&rows), format!("\nReached: {there}.\n")),
         Part::table("peers-problems", by_problem(&pairs), of_best.to_owned()),
         Part::table("peers-codes", by_code(&pairs), "\nRatio: of the seconds of the code's best setting to those of the best of ours, over the problems that both solve.\n".to_owned()),
+        Part::table("peers-tolerances", tolerances(runs), "\nNatural map of the answer to the code's own tolerance: least, median and most over the problems that it answered.\n".to_owned()),
     ]
 }
 
@@ -167,6 +169,35 @@ fn by_code(pairs: &[Pair]) -> DataFrame {
         "least_ratio" => ranges.iter().map(|range| Some((*range)?.0)).collect::<Vec<_>>(),
         "median_ratio" => ratios.into_iter().map(median).collect::<Vec<_>>(),
         "most_ratio" => ranges.iter().map(|range| Some((*range)?.1)).collect::<Vec<_>>(),
+    ))
+}
+
+/// A row for each setting of another code and each tolerance that was asked of it.
+fn tolerances(runs: &[RunRow]) -> DataFrame {
+    let mut answers: Vec<(String, f64, Vec<f64>)> = Vec::new();
+    for run in runs {
+        let rungs = run.derived.get("rungs").and_then(Value::as_array).into_iter().flatten();
+        // Before the first answer the curve has r = 0.
+        for (rung, point) in rungs.zip(run.curve.iter().skip(1)) {
+            let (Some(asked), Some(left)) = (rung["tolerance"].as_f64(), point.get(Measure::NaturalMap))
+            else {
+                continue;
+            };
+            let label = run.label();
+            match answers.iter_mut().find(|(of, at, _)| *of == label && *at == asked) {
+                Some((.., all)) => all.push(left),
+                None => answers.push((label, asked, vec![left])),
+            }
+        }
+    }
+    let ranges: Vec<_> = answers.iter().map(|(.., all)| span(all.iter().copied())).collect();
+    frame(df!(
+        "method" => answers.iter().map(|(label, ..)| label.as_str()).collect::<Vec<_>>(),
+        "tolerance" => answers.iter().map(|(_, asked, _)| *asked).collect::<Vec<_>>(),
+        "problems" => answers.iter().map(|(.., all)| all.len() as u64).collect::<Vec<_>>(),
+        "natural_map_low" => ranges.iter().map(|range| Some((*range)?.0)).collect::<Vec<_>>(),
+        "natural_map" => answers.iter().map(|(.., all)| median(all.clone())).collect::<Vec<_>>(),
+        "natural_map_high" => ranges.iter().map(|range| Some((*range)?.1)).collect::<Vec<_>>(),
     ))
 }
 

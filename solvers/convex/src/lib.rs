@@ -11,9 +11,7 @@
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
 use active_set::{ActiveSet, Convex as Programmes};
-use contact::{
-    Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Smooth, Solver, Work,
-};
+use contact::{Frictional, Iteration, Packing, Rough, SetupError, Smooth, Solver, Work};
 use nalgebra::SVector;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -94,40 +92,19 @@ where
     }
 }
 
-impl Convex {
-    /// A run with friction; the start impulses `r0` (N·s) are what is shown before the first programme, and no more.
-    fn with_friction<const D: usize, const N: usize>(
-        self,
-        problem: &Packing<Rough<D>>,
+impl<const D: usize, const N: usize> Solver<Rough<D>> for Convex
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// The start impulses `r0` (N·s) are what is shown before the first programme, and no more.
+    fn start<'p>(
+        &self,
+        problem: &'p Packing<Rough<D>>,
         r0: &[f64],
-    ) -> Result<Box<dyn Iteration>, SetupError>
-    where
-        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
-    {
-        let programmes = Programmes::new(problem)?;
-        let Self { fixed_point } = self;
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+        let (programmes, fixed_point) = (Programmes::new(problem)?, self.fixed_point);
         let (r, before, quartered) = (r0.to_vec(), r0.to_vec(), (f64::INFINITY, 0));
         Ok(Box::new(Run { programmes, fixed_point, r, before, quartered, has_ended: false }))
-    }
-}
-
-impl Solver<RoughDiscs> for Convex {
-    fn start<'p>(
-        &self,
-        problem: &'p Packing<RoughDiscs>,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.with_friction(problem, r0)
-    }
-}
-
-impl Solver<RoughSpheres> for Convex {
-    fn start<'p>(
-        &self,
-        problem: &'p Packing<RoughSpheres>,
-        r0: &[f64],
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.with_friction(problem, r0)
     }
 }
 

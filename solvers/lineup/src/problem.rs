@@ -57,14 +57,10 @@ pub trait OneProblem: Send + Sync {
     fn numbers(&self, number: &mut dyn FnMut(f64));
 
     /// Returns the impulses of the time step before; none where they are not known.
-    fn start(&self) -> &[f64] {
-        &[]
-    }
+    fn start(&self) -> &[f64];
 
     /// Returns the number of time steps before whose solve did not converge, if it is known.
-    fn missed_before(&self) -> Option<u64> {
-        None
-    }
+    fn missed_before(&self) -> Option<u64>;
 
     /// Refuses an impulse of contact `k` that the law does not admit.
     ///

@@ -118,7 +118,7 @@ impl<const D: usize> Iteration for Run<'_, D> {
     }
 }
 
-/// The active set begun by conjugate gradients, whose products subdomains can share: sweeps are made one after the other.
+/// Returns the active set begun by conjugate gradients: subdomains can share their products, whereas sweeps go contact by contact.
 fn begun() -> ActiveSet {
     ActiveSet { start: Some(Start::Cg), ..ActiveSet::default() }
 }

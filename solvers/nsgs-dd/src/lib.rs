@@ -77,6 +77,8 @@ struct Run<M: Mechanics> {
     team: Team,
     sweepers: Vec<Sweeper<M>>,
     sums: CopySums<M::Velocity>,
+    /// True where copies have sent their velocities and are not yet glued.
+    is_apart: bool,
     /// Contacts of each group of own subdomains: those of one group work at the same time, group after group.
     groups: Vec<usize>,
     settings: NsgsDd,
@@ -92,9 +94,8 @@ impl<M: Mechanics> Iteration for Run<M> {
         if self.momentum.as_ref().is_some_and(Momentum::has_restarted) {
             self.renew();
         }
-        self.sweepers.iter_mut().for_each(|sweeper| sweeper.velocity_jump = 0.0);
         for group in 0..self.groups.len() {
-            self.sweep_and_glue(group);
+            self.glue_and_sweep(group);
         }
         if let Some(momentum) = &mut self.momentum {
             let of_subdomains = self.progress.iter_mut().zip(&self.sweepers);
@@ -109,7 +110,12 @@ impl<M: Mechanics> Iteration for Run<M> {
     }
 
     fn velocity_jump(&self) -> f64 {
-        self.sweepers.iter().map(|sweeper| sweeper.velocity_jump).fold(0.0, f64::max)
+        let mass_splitting = self.settings.mass_splitting;
+        let of = |(e, sweeper): (usize, &Sweeper<M>)| {
+            let last = if self.is_apart { sweeper.jump(mass_splitting, self.sums.sums(e)) } else { 0.0 };
+            sweeper.velocity_jump.max(last)
+        };
+        self.sweepers.iter().enumerate().map(of).fold(0.0, f64::max)
     }
 
     /// Multiply-adds of the longest subdomain of each group: eight per unknown of a contact updated, one per value exchanged.
@@ -144,14 +150,16 @@ impl<M: Mechanics> Iteration for Run<M> {
 const NS_PER_UPDATE: usize = 5;
 
 impl<M: Mechanics> Run<M> {
-    /// From the glued velocity, `inner_sweeps` sweeps in each subdomain of `group`, F fixed; then the copies of all are brought
-    /// together.
-    fn sweep_and_glue(&mut self, group: usize) {
+    /// Glues the copies, if they are apart; then makes `inner_sweeps` sweeps in each subdomain of `group` from the glued velocity, F fixed.
+    fn glue_and_sweep(&mut self, group: usize) {
         let NsgsDd { inner_sweeps: sweeps, relaxation, mass_splitting, .. } = self.settings;
         let updates = self.groups[group] * sweeps as usize;
-        let Self { sweepers, sums, momentum, .. } = self;
+        let Self { sweepers, sums, momentum, is_apart, .. } = self;
         let factor = momentum.as_ref().map(Momentum::factor);
-        sums.send(sweepers, NS_PER_UPDATE * updates, |sweeper, sent| {
+        sums.exchange(sweepers, NS_PER_UPDATE * updates, |sweeper, sums, sent| {
+            if *is_apart {
+                sweeper.glue(mass_splitting, sums);
+            }
             if group == 0 {
                 sweeper.begin(factor);
             }
@@ -160,19 +168,18 @@ impl<M: Mechanics> Run<M> {
             }
             sweeper.send(mass_splitting, sent);
         });
-        sums.receive(sweepers, 0, |sweeper, sums| sweeper.glue(mass_splitting, sums));
+        *is_apart = true;
     }
 
-    /// Makes the velocities of all subdomains anew from their impulses, and glues them.
+    /// Makes the velocities of all subdomains anew from their impulses.
     fn renew(&mut self) {
         let mass_splitting = self.settings.mass_splitting;
         let contacts: usize = self.groups.iter().sum();
-        let Self { sweepers, sums, .. } = self;
-        sums.send(sweepers, NS_PER_UPDATE * contacts, |sweeper, sent| {
+        self.sums.send(&mut self.sweepers, NS_PER_UPDATE * contacts, |sweeper, sent| {
             sweeper.renew();
             sweeper.send(mass_splitting, sent);
         });
-        sums.receive(sweepers, 0, |sweeper, sums| sweeper.glue(mass_splitting, sums));
+        self.is_apart = true;
         self.restarts += 1;
     }
 }
@@ -247,6 +254,7 @@ impl NsgsDd {
             team: team.clone(),
             sweepers: threads::make(subdomains.len(), &sweeper),
             sums: CopySums::over(decomposition, team),
+            is_apart: false,
             groups,
             settings: *self,
             momentum: momentum.map(|momentum| momentum.of_problem(M::HAS_FRICTION)),

@@ -15,7 +15,7 @@ pub(crate) struct Sweeper<M: Mechanics> {
     pub(crate) sweep: Sweep<M>,
     /// Its copies of boundary grains.
     pub(crate) copies: Vec<GrainCopy<M>>,
-    /// Greatest |`V_E` − V̄| of the copies before they were glued, since it was last 0 (m/s).
+    /// Greatest |`V_E` − V̄| found by the gluings of this iteration so far (m/s).
     pub(crate) velocity_jump: f64,
     /// The iteration before, if iterations are accelerated.
     pub(crate) trail: Option<Trail<M::Column>>,
@@ -84,6 +84,7 @@ impl<M: Mechanics> Sweeper<M> {
 
     /// Begins an iteration, extrapolated by the `factor` β, if there is one.
     pub(crate) fn begin(&mut self, factor: Option<f64>) {
+        self.velocity_jump = 0.0;
         if let Some((trail, factor)) = self.trail.as_mut().zip(factor) {
             trail.begin(factor);
             let all = self.sweep.y.len();
@@ -130,11 +131,31 @@ impl<M: Mechanics> Sweeper<M> {
     pub(crate) fn glue(&mut self, mass_splitting: bool, sums: Sums<'_, M::Velocity>) {
         let mut greatest = self.velocity_jump;
         for (copy, sum) in self.copies.iter_mut().zip(sums) {
-            copy.glued = if mass_splitting { sum / copy.multiplicity } else { copy.glued + sum };
             let y = &mut self.sweep.y[copy.local as usize];
-            greatest = greatest.max(copy.root_inverse_mass.speed(*y - copy.glued));
+            copy.glued = copy.together(mass_splitting, sum);
+            greatest = greatest.max(copy.jump(*y, copy.glued));
             *y = copy.glued;
         }
         self.velocity_jump = greatest;
+    }
+
+    /// Returns the greatest |`V_E` − V̄| that gluing finds (m/s).
+    pub(crate) fn jump(&self, mass_splitting: bool, sums: Sums<'_, M::Velocity>) -> f64 {
+        let of = |(copy, sum): (&GrainCopy<M>, M::Velocity)| {
+            copy.jump(self.sweep.y[copy.local as usize], copy.together(mass_splitting, sum))
+        };
+        self.copies.iter().zip(sums).map(of).fold(0.0, f64::max)
+    }
+}
+
+impl<M: Mechanics> GrainCopy<M> {
+    /// Returns y at V̄, from the sum over all copies (√J).
+    fn together(&self, mass_splitting: bool, sum: M::Velocity) -> M::Velocity {
+        if mass_splitting { sum / self.multiplicity } else { self.glued + sum }
+    }
+
+    /// Returns |`V_E` − V̄| (m/s).
+    fn jump(&self, y: M::Velocity, glued: M::Velocity) -> f64 {
+        self.root_inverse_mass.speed(y - glued)
     }
 }

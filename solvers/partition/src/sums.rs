@@ -35,11 +35,14 @@ impl<V: Vector> Sendable for V {
 /// the order of the subdomains, so that no number of threads or ranks changes a bit.
 ///
 /// In two passes over the subdomains: all [send](Self::send), then each [receives](Self::receive) and waits for no other. Between
-/// the two, ranks send each other what they share. Copies are numbered as in
+/// the two, ranks send each other what they share. Where a subdomain need not receive before it sends again, one pass
+/// [does both](Self::exchange): threads wait for each other half as often. Copies are numbered as in
 /// [`Subdomain::boundary`](crate::Subdomain::boundary).
 pub struct CopySums<V> {
     /// Values sent by each own subdomain, copy by copy; then those received from each neighbouring rank.
     sent: Vec<Vec<V>>,
+    /// Values of the pass before, while those of the next are sent.
+    before: Vec<Vec<V>>,
     post: Option<Between>,
     /// Positions of the terms of each subdomain's sums.
     terms: Vec<Terms>,
@@ -52,6 +55,12 @@ pub struct CopySums<V> {
 struct Terms {
     counts: Vec<u32>,
     of: Vec<(u32, u32)>,
+}
+
+impl Terms {
+    fn sums<'s, V>(&'s self, sent: &'s [Vec<V>]) -> Sums<'s, V> {
+        Sums { counts: self.counts.iter(), of: &self.of, sent }
+    }
 }
 
 /// Approximate cost of sending a copy, or of fetching one that another thread sent (ns).
@@ -123,7 +132,7 @@ impl<V: Sendable> CopySums<V> {
                 .map(|copies| copies.into_iter().map(|(e, k)| (e - first, k)).collect())
                 .collect(),
         });
-        Self { sent, post, terms, copies }
+        Self { sent, before: Vec::new(), post, terms, copies }
     }
 
     /// In every subdomain, `pass(subdomain, sent)` writes what its copies send; the passes take about `nanoseconds` in all.
@@ -167,10 +176,33 @@ impl<V: Sendable> CopySums<V> {
         pass: impl Fn(&mut S, Sums<'_, V>) + Sync,
     ) {
         let nanoseconds = nanoseconds + NS_PER_COPY * self.copies;
-        threads::each(subdomains, nanoseconds, &|e, subdomain| {
-            let Terms { counts, of } = &self.terms[e];
-            pass(subdomain, Sums { counts: counts.iter(), of, sent: &self.sent });
+        threads::each(subdomains, nanoseconds, &|e, subdomain| pass(subdomain, self.sums(e)));
+    }
+
+    /// In every subdomain, `pass(subdomain, sums, sent)` takes the sums of what was sent last, and writes what its copies send next; the
+    /// passes take about `nanoseconds` in all.
+    pub fn exchange<S: Send>(
+        &mut self,
+        subdomains: &mut [S],
+        nanoseconds: usize,
+        pass: impl Fn(&mut S, Sums<'_, V>, &mut [V]) + Sync,
+    ) {
+        let nanoseconds = nanoseconds + 2 * NS_PER_COPY * self.copies;
+        if self.before.is_empty() {
+            self.before.clone_from(&self.sent);
+        }
+        std::mem::swap(&mut self.sent, &mut self.before);
+        let Self { sent, before, terms, .. } = self;
+        let mut pairs: Vec<_> = subdomains.iter_mut().zip(sent).collect();
+        threads::each(&mut pairs, nanoseconds, &|e, (subdomain, sent)| {
+            pass(subdomain, terms[e].sums(before), sent);
         });
+        self.swap();
+    }
+
+    /// Returns the sums of what was sent last, for the copies of a subdomain.
+    pub fn sums(&self, subdomain: usize) -> Sums<'_, V> {
+        self.terms[subdomain].sums(&self.sent)
     }
 }
 

@@ -23,11 +23,6 @@ pub trait Coulomb: Certified<Mass = RoughMass> {
     /// Reports whether normal impulses (N·s) prove that `problem` has no solution.
     fn proves_infeasible(problem: &Packing<Self>, ray: &[f64]) -> bool;
 
-    /// Decides whether the normal parts alone prove that `problem` has no solution. `false` says nothing.
-    fn has_no_solution(problem: &Packing<Self>) -> bool {
-        Self::ray(problem).is_some()
-    }
-
     /// Returns the reason why `problem` is known to have a solution: [`existence`].
     fn existence(problem: &Packing<Self>) -> Option<Existence>;
 
@@ -168,7 +163,7 @@ pub fn distance<M: Mechanics>(problem: &ContactProblem<M>, r: &[f64], other: &[f
     if apart == 0.0 { 0.0 } else { apart / size }
 }
 
-/// Returns the solution at which the active set ends, begun from impulses `r0` with conjugate gradients.
+/// Returns the solution at which the active set ends, begun from impulses `r0` with accelerated sweeps.
 fn from<M: Coulomb>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
 where
     ActiveSet: Solver<M>,

@@ -56,6 +56,8 @@ fn seconds_of_another_code_are_those_of_the_tolerance_that_came_there_by_both_cl
     let codes: Vec<&str> = file(&files, "peers-codes.csv").lines().skip(1).collect();
     assert_eq!(codes[0], "piqp,0.01,1,1,1,4.0,4.0,4.0");
     assert_eq!(codes.len(), 3);
+    let worth: Vec<&str> = file(&files, "peers-tolerances.csv").lines().skip(1).collect();
+    assert_eq!(worth, ["piqp,0.1,1,0.1,0.1,0.1", "piqp,0.00001,1,1e-7,1e-7,1e-7"]);
     assert!(file(&files, "peers-problems.csv").contains("column,0.0001,piqp,piqp,2.0,cg,0.5,4.0"));
 }
 
