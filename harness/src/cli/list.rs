@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// Print a Markdown table, as the READMEs have it; plans with their numbers of runs
     #[arg(long)]
     markdown: bool,
-    /// Of methods: start each other code, and say which are installed, and in which version
+    /// Start each other code, to say which are installed, and in which version (methods alone)
     #[arg(long)]
     installed: bool,
 }
