@@ -136,7 +136,9 @@ fn main() {
     println!(
         "is the time at a contact of the smallest packing, which the nearest caches hold. The last column is the"
     );
-    println!("time over the larger of the two: what is above 1 is the grains' scatter in memory.\n");
+    println!(
+        "time over the larger of the two: what is above 1 neither limit explains, such as the scatter of grains in memory.\n"
+    );
     println!(
         "| mechanics | method | contacts | bytes per contact | triad, GB/s | memory's limit, ns | kernel's limit, ns | ns per contact | over the larger |"
     );

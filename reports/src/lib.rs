@@ -76,20 +76,26 @@ pub fn report(
     replace(&files, out)
 }
 
-/// Fills a template with numbers of a study: of its rows, of their table, and of the tables of its `charts`.
+/// Fills a template with numbers of a study: of its rows, of their table, and of the tables of its `charts`; it may include `parts`, by
+/// their names.
 ///
 /// # Errors
 ///
 /// If the template is none, or asks for what is not there.
-pub fn fill(study: &Stored, charts: &[Chart], template: &str) -> Result<String, ReportError> {
+pub fn fill(
+    study: &Stored,
+    charts: &[Chart],
+    template: &str,
+    parts: &[(String, String)],
+) -> Result<String, ReportError> {
     let read = Study::from(study);
     let rows = text::rows(&read)?;
-    let parts = std::iter::once(rows).chain(charts.iter().flat_map(|chart| chart.parts(&read)));
+    let all = std::iter::once(rows).chain(charts.iter().flat_map(|chart| chart.parts(&read)));
     let table = |part: Part| match part.kind {
         Kind::Table(table) => Some((part.name, table.all)),
         Kind::Figure(_) | Kind::Text(_) => None,
     };
-    text::fill(study, &parts.filter_map(table).collect::<Vec<_>>(), template)
+    text::fill(study, &all.filter_map(table).collect::<Vec<_>>(), template, parts)
 }
 
 /// Some columns and rows of a table that [`report`] makes of a study.

@@ -160,11 +160,17 @@ fn fill(rows: &Rows, charts: &[Chart], template: &Path) -> Result<()> {
         bail!("--fill {}: the name of a template ends in .in", template.display());
     }
     let text = read_text(template).context("--fill")?;
-    let filled =
-        reports::fill(rows, charts, &text).with_context(|| format!("--fill {}", template.display()))?;
+    let filled = included(template, &text).and_then(|parts| Ok(reports::fill(rows, charts, &text, &parts)?));
+    let filled = filled.with_context(|| format!("--fill {}", template.display()))?;
     let page = template.with_extension("");
     write_whole(&page, &filled)?;
     say(format_args!("{}", page.display()))
+}
+
+/// Reads the parts that the text of a template includes, which lie beside it.
+fn included(template: &Path, text: &str) -> Result<Vec<(String, String)>> {
+    let names = text.split("{% include \"").skip(1).filter_map(|rest| Some(rest.split_once('"')?.0));
+    names.map(|name| Ok((name.to_owned(), read_text(&template.with_file_name(name))?))).collect()
 }
 
 /// One chart, in a folder of its own: the report of the study stays as it is.

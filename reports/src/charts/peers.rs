@@ -17,7 +17,7 @@ fn accuracy(runs: &[RunRow]) -> f64 {
     ACCURACIES.into_iter().filter(|accuracy| *accuracy >= asked).fold(ACCURACIES[0], f64::min)
 }
 
-/// `peers`: a row for each run; `peers-ratios`: the median ratio of each method; and each other code beside the best of ours at each
+/// Returns `peers`: a row for each run; `peers-ratios`: the median ratio of each method; and each other code beside the best of ours at each
 /// accuracy, problem by problem in `peers-problems`, over all of them in `peers-codes`; and `peers-tolerances`: what a code's own tolerance
 /// is worth.
 pub(crate) fn parts(study: &Problems) -> Vec<Part> {
@@ -35,7 +35,7 @@ pub(crate) fn parts(study: &Problems) -> Vec<Part> {
         reasons(&study.runs)
     );
     let pairs = pairs(runs);
-    let of_best = "\nSeconds: those of the best setting of the code, and of the best of our methods, to a sample that is as accurate and stays so. \
+    let of_best = "\nSeconds: those of the best setting of the code, and of the best of our methods, to an answer that is as accurate; ours stays so. \
                    Ratio: of the code's to ours.\n";
     vec![
         Part::table("peers", table(&rows), note),
@@ -172,7 +172,7 @@ fn by_code(pairs: &[Pair]) -> DataFrame {
     ))
 }
 
-/// A row for each setting of another code and each tolerance that was asked of it.
+/// Returns a row for each setting of another code and each tolerance that was asked of it.
 fn tolerances(runs: &[RunRow]) -> DataFrame {
     let mut answers: Vec<(String, f64, Vec<f64>)> = Vec::new();
     for run in runs {

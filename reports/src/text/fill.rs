@@ -17,7 +17,7 @@ use crate::read::{count, number};
 type Row = BTreeMap<String, Value>;
 
 /// Fills a template: `run(problem=…, method=…, …)` is the one row with these values, `runs(…)` all of them, `table(NAME)` the rows of
-/// one of the `tables`; the filter `number` writes up to so many digits, `count` groups them by three. A name that is not there is an
+/// one of the `tables`; `{% include NAME %}` takes one of the `parts`; the filter `number` writes up to so many digits, `count` groups them by three. A name that is not there is an
 /// error.
 ///
 /// # Errors
@@ -27,6 +27,7 @@ pub(crate) fn fill(
     study: &Study,
     tables: &[(String, DataFrame)],
     template: &str,
+    parts: &[(String, String)],
 ) -> Result<String, ReportError> {
     let refused = |error: Error| ReportError::Template(format!("{error:#}"));
     let records = if let Study::Runs(runs) = study { &runs.records[..] } else { &[] };
@@ -55,6 +56,9 @@ pub(crate) fn fill(
     templates.add_function("run", move |wanted: Kwargs| one(&rows, &wanted));
     templates.add_filter("number", |value: f64, digits: u8| number(value, digits));
     templates.add_filter("count", |value: usize| count(value));
+    for (name, part) in parts {
+        templates.add_template(name, part).map_err(refused)?;
+    }
     templates.add_template("text", template).map_err(refused)?;
     templates.get_template("text").and_then(|text| text.render(context! {})).map_err(refused)
 }

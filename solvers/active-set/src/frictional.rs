@@ -16,7 +16,8 @@ mod proximal;
 
 pub(crate) use layout::Layout;
 
-use crate::{ACCURACY_OF_DEARER, ActiveSet, Best, Convex, LOOK, RUNG, Start, accelerated};
+use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, Start, accelerated};
+use crate::{ActiveSet, Best, Convex};
 use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
 use exact::Exact;
 use nalgebra::SVector;

@@ -23,34 +23,19 @@ mod inner;
 mod interior;
 mod scaled;
 mod set;
+mod start;
 
 pub use convex::Convex;
 pub use inner::{Inner, PENALTY, Whole};
 pub use set::Set;
+pub use start::{ACCURACY_OF_DEARER, Start};
 
-use cg::{Cg, Preconditioner};
-use contact::acceleration::Acceleration;
-use contact::{Iteration, Mechanics, Packing, SetupError, Smooth, Solver, Work};
+use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work};
 use interior::Interior;
-use nsgs::Nsgs;
 use scaled::Scaled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// Method that finds the first set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Start {
-    /// By conjugate gradients, preconditioned by the diagonal of W; for problems without friction.
-    Cg,
-    /// By accelerated sweeps of Gauss-Seidel.
-    #[default]
-    Sweeps,
-    /// By the law from the start impulses: without any, the contacts that approach.
-    ColdSet,
-    /// By an interior point; for problems without friction.
-    InteriorPoint,
-}
+use start::{Begun, RUNG};
 
 /// Settings of the active set.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -72,39 +57,11 @@ impl Default for ActiveSet {
     }
 }
 
-/// Residual of the law at which the first set is taken, as a natural map (–). On 18 packings of 60 to 10,000 discs and 250 to 3,000
-/// spheres 1e-3 takes in the mean 1.2 times as long as the best of 1e-2 to 3e-4 for each, and never more than 2.5 times.
-const ACCURACY: f64 = 1e-3;
-
-/// That with friction, with conjugate gradients, and where there is W alone (–). It was chosen for conjugate gradients, on 18 packings of discs, and
-/// taken over for the others.
-pub const ACCURACY_OF_DEARER: f64 = 3e-3;
-
 /// Sets one after the other that leave no less than one before, after which another way is taken.
 const PATIENCE: u32 = 8;
 
 /// Largest ratio of the residual after an interior point's steps to that before them (–).
 const NEARER: f64 = 1e-2;
-
-/// Steps of an interior point that the start may take the time of (–): twice those that lead to the neighbourhood of a solution.
-const STEPS: f64 = 28.0;
-
-/// Time of an accelerated sweep and of an iteration of the conjugate gradient at a contact (ns).
-const SWEEP: f64 = 4.0;
-const GRADIENT: f64 = 6.0;
-
-/// Ratio of a residual at which sets, or Newton's method, are tried to that of the last try (–).
-const RUNG: f64 = 0.1;
-
-/// Sweeps from one look at the residual to the next: a look costs about as much as two.
-const LOOK: u64 = 25;
-
-/// Method of the start.
-enum By<'p, const D: usize> {
-    Sweeps(Box<dyn Iteration + 'p>),
-    /// Its residual is known after each iteration.
-    Gradient(Box<cg::Run<D>>),
-}
 
 /// Phase of an iteration.
 #[derive(Clone, Copy)]
@@ -126,7 +83,7 @@ pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
     phase: Phase,
     /// Method of the start, and of what follows where all else fails; its run, iterations, and how many it may take.
     start: Start,
-    begun: Option<By<'p, D>>,
+    begun: Option<Begun<'p, D>>,
     iterations: u64,
     most: u64,
     interior: Option<Interior>,
@@ -173,39 +130,6 @@ impl Best {
     }
 }
 
-impl<'p, const D: usize> By<'p, D> {
-    /// Begins the method of `start` on a `problem`, from impulses (N·s).
-    fn new(start: Start, problem: &'p Packing<Smooth<D>>, r0: &[f64]) -> Result<Self, SetupError> {
-        if start == Start::Cg {
-            let run = Cg { preconditioner: Preconditioner::Diagonal }.run(problem, r0)?;
-            return Ok(Self::Gradient(Box::new(run)));
-        }
-        accelerated(problem, r0).map(Self::Sweeps)
-    }
-
-    fn run(&self) -> &dyn Iteration {
-        match self {
-            Self::Sweeps(run) => &**run,
-            Self::Gradient(run) => &**run,
-        }
-    }
-
-    fn advance(&mut self) {
-        match self {
-            Self::Sweeps(run) => run.advance(),
-            Self::Gradient(run) => run.advance(),
-        }
-    }
-}
-
-/// Begins accelerated sweeps from the impulses `r0` (N·s).
-fn accelerated<'p, M: Mechanics>(
-    problem: &'p Packing<M>,
-    r0: &[f64],
-) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-    Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() }.start(problem, r0)
-}
-
 impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
     /// Returns the linear solver for the matrices of its sets.
     pub fn inner(&self) -> &K {
@@ -218,11 +142,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         begun.advance();
         self.iterations += 1;
         let is_over = self.iterations == self.most;
-        let (looks, is_near) = match begun {
-            By::Gradient(run) => (false, run.left() <= self.accuracy),
-            By::Sweeps(_) => (self.iterations.is_multiple_of(LOOK), false),
-        };
-        if !(looks || is_near || is_over) {
+        if !(is_over || begun.is_due(self.iterations, self.accuracy)) {
             return;
         }
         let mut r = vec![0.0; self.best.impulses.len()];
@@ -230,7 +150,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         self.set.begin(&r);
         let left = self.set.left();
         self.best.take(left, |best| best.copy_from_slice(&r));
-        if is_near || is_over || left <= self.accuracy {
+        if is_over || matches!(begun, Begun::Gradient(_)) || left <= self.accuracy {
             self.handed = left;
             self.phase = Phase::Set;
         }
@@ -289,7 +209,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
 
     fn begin_from_best(&mut self) {
         // What was possible once is so again.
-        let Ok(begun) = By::new(self.start, self.problem, &self.best.impulses) else { return };
+        let Ok(begun) = Begun::new(self.start, self.problem, &self.best.impulses) else { return };
         if let Some(ended) = self.begun.replace(begun) {
             self.ended += ended.run().work();
         }
@@ -368,11 +288,10 @@ impl ActiveSet {
         inner: K,
     ) -> Result<Run<'p, D, K>, SetupError> {
         let start = self.start.unwrap_or_default();
-        let accuracy = self.accuracy(if start == Start::Cg { ACCURACY_OF_DEARER } else { ACCURACY })?;
+        let accuracy = self.accuracy(start.accuracy())?;
         let mut set = Set::on(Scaled::new(problem, inner));
         let scale = problem.scale().sqrt();
-        let of_one = if start == Start::Cg { GRADIENT } else { SWEEP };
-        let most = (STEPS * set.step_ns() / of_one).max(1.0) as u64;
+        let most = start.most(set.step_ns());
         set.begin(r0);
         let is_warm = self.warm && r0.iter().any(|r| *r > 0.0);
         let phase = match start {
@@ -381,7 +300,7 @@ impl ActiveSet {
             Start::InteriorPoint => Phase::Interior { until: NEARER * NEARER * scale },
             Start::Sweeps | Start::Cg => Phase::Begun,
         };
-        let begun = matches!(phase, Phase::Begun).then(|| By::new(start, problem, r0)).transpose()?;
+        let begun = matches!(phase, Phase::Begun).then(|| Begun::new(start, problem, r0)).transpose()?;
         let best = Best { left: set.left(), impulses: r0.to_vec() };
         Ok(Run {
             problem,

@@ -10,7 +10,7 @@ fn filled(template: &str) -> Result<String, String> {
         Run { iterations: 1234, ..run(0, "nsgs", "", Ending::Converged) },
         Run { iterations: 2468, ..run(1, "nsgs-dd", "4x2", Ending::Converged) },
     ];
-    fill(&stored(&tables(&runs, &[])), &[], template).map_err(|error| error.to_string())
+    fill(&stored(&tables(&runs, &[])), &[], template, &[]).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -28,7 +28,7 @@ fn what_a_column_holds_as_json_is_an_object() {
     let derived = object(&json!({ "rungs": [{ "tolerance": 1e-2 }, { "tolerance": 1e-4 }] }));
     let runs = [Run { settings, derived, ..run(0, "osqp", "", Ending::Converged) }];
     let text = r#"{{ run(method="osqp").settings.relaxation }}, {{ run(method="osqp").derived.rungs[1].tolerance|number(1) }}"#;
-    assert_eq!(fill(&stored(&tables(&runs, &[])), &[], text).unwrap(), "0.5, 10⁻⁴");
+    assert_eq!(fill(&stored(&tables(&runs, &[])), &[], text, &[]).unwrap(), "0.5, 10⁻⁴");
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn tables_are_rows_by_their_columns() {
             .unwrap();
     let text = r#"{% for row in table("counts") %}{{ row.method }} {{ row.reached }} {{ row.worst|number(2) if row.reached > 0 else "–" }}; {% endfor %}"#;
     let runs = tables(&[run(0, "nsgs", "", Ending::Converged)], &[]);
-    let filled = |text| fill(&stored(&runs), &[("counts".to_owned(), table.clone())], text);
+    let filled = |text| fill(&stored(&runs), &[("counts".to_owned(), table.clone())], text, &[]);
     assert_eq!(filled(text).unwrap(), "nsgs 2 1.5; cg 0 –; ");
     assert!(
         filled(r#"{{ table("count")|length }}"#)
@@ -53,4 +53,16 @@ fn tables_are_rows_by_their_columns() {
             .to_string()
             .contains("no table `count`: there are counts")
     );
+}
+
+#[test]
+fn part_that_is_included_sees_what_the_text_set() {
+    let runs = [run(0, "nsgs", "", Ending::Converged)];
+    let filled = |parts: &[(String, String)]| {
+        let text = "{% set word = \"so\" %}{% include \"one.part.in\" %}";
+        fill(&stored(&tables(&runs, &[])), &[], text, parts).map_err(|error| error.to_string())
+    };
+    let part = "{{ word }} {{ runs()|length }}".to_owned();
+    assert_eq!(filled(&[("one.part.in".to_owned(), part)]).unwrap(), "so 1");
+    assert!(filled(&[]).unwrap_err().contains("one.part.in"));
 }
