@@ -4,6 +4,7 @@ pub(crate) mod beside;
 pub(crate) mod coordinates;
 pub(crate) mod driven;
 pub(crate) mod drum;
+pub(crate) mod friction;
 pub(crate) mod lid;
 pub(crate) mod motion;
 pub(crate) mod segments;
@@ -12,9 +13,10 @@ pub(crate) mod walls;
 
 use crate::detect::Grain;
 use crate::detect::periodic::Period;
-use crate::file::values::{check, not_negative, positive};
+use crate::file::values::{check, positive};
 use crate::scene::driven::Driven;
 use crate::scene::drum::Drum;
+use crate::scene::friction::Material;
 use crate::scene::lid::Lid;
 use crate::scene::motion::Direction;
 use crate::scene::segments::Segment;
@@ -51,6 +53,9 @@ pub struct Scene {
     /// new. A contact slides where its impulse lies on its cone. Each time step is then Coulomb's law with a μ of each contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_friction_ratio: Option<f64>,
+    /// Materials, told apart by the radii of their grains, with the μ of each pair.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<Material>,
     /// True where grains translate and never spin, as blocks too low to tip.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub spinless: bool,
@@ -72,9 +77,6 @@ pub struct Scene {
     #[serde(default)]
     pub segments: Vec<Segment>,
 }
-
-/// Coulomb's μ above which something else was meant (–).
-const GREAT_FRICTION: f64 = 2.0;
 
 /// The warning of a time step that `moves` a grain of this radius too far (m).
 pub(crate) fn too_far(time_step_s: f64, moves: &str, radius: f64) -> String {
@@ -119,13 +121,6 @@ impl Law {
 }
 
 impl Scene {
-    /// Reports whether the scene has friction: a μ above 0 somewhere.
-    pub fn is_rough(&self) -> bool {
-        let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
-        let of_segments = self.segments.iter().filter_map(|segment| segment.friction);
-        of_segments.chain(self.friction).chain(of_walls).any(|mu| mu > 0.0)
-    }
-
     /// Period of the scene along x, if it has one.
     pub(crate) fn period(&self) -> Period {
         Period(self.walls.as_ref().filter(|walls| walls.periodic).and_then(|walls| walls.width_m))
@@ -228,18 +223,7 @@ impl Scene {
     /// Returns unusual values, for grains of at least this radius (m): key, value and why.
     pub(crate) fn warnings(&self, least_radius: f64) -> Vec<String> {
         let (g, h) = (self.gravity_m_per_s2, self.time_step_s);
-        let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
-        let of_segments = (0..)
-            .zip(&self.segments)
-            .map(|(number, segment)| (format!("segments[{number}].friction"), segment.friction));
-        let frictions = [("friction", self.friction), ("box.friction", of_walls)];
-        let frictions = frictions.into_iter().map(|(key, mu)| (key.to_owned(), mu)).chain(of_segments);
-        let mut warnings: Vec<String> = frictions
-            .filter_map(|(key, mu)| Some((key, mu.filter(|mu| *mu > GREAT_FRICTION)?)))
-            .map(|(key, mu)| {
-                format!("`scene.{key}` is {}: no material has a friction above {GREAT_FRICTION}", shown(mu))
-            })
-            .collect();
+        let mut warnings: Vec<String> = self.friction_warnings().collect();
         if self.slope_rad.abs() > std::f64::consts::FRAC_PI_2 {
             let degrees = shown(self.slope_rad.to_degrees().round());
             let slope = shown(self.slope_rad);
@@ -275,7 +259,6 @@ impl Scene {
             ("theta", self.theta, (0.0..=1.0).contains(&self.theta), "between 0 and 1"),
             ("contact_copies", copies.into(), copies > 0, "at least 1"),
         ];
-        values.extend(self.friction.map(|mu| not_negative("friction", mu)));
         let at_least_one = |ratio: f64| ratio >= 1.0 && ratio.is_finite();
         values.extend(
             self.static_friction_ratio
@@ -294,6 +277,7 @@ impl Scene {
             ("drum.radius_m", *radius_m, is_positive(*radius_m) && walls.is_none(), expected)
         }));
         check("scene", values)?;
+        self.check_frictions()?;
         if self.law == Law::Newton && self.restitution.is_none() {
             return Err(
                 "`scene.restitution` is missing: the law `newton` needs it, between 0 and 1".to_owned()

@@ -49,19 +49,10 @@ impl<M: Marched> March<M> {
     ) -> (Vec<M::Contact>, Vec<Entered<M::Place>>) {
         let Scene { time_step_s: h, law, restitution, contact_copies, .. } = self.scene;
         let (mut contacts, mut near) = (Vec::new(), Vec::new());
-        let of_walls = self.scene.walls.as_ref().and_then(|walls| walls.friction);
-        let rough = [self.scene.friction, of_walls.or(self.scene.friction)].map(|mu| mu.unwrap_or(0.0));
         let enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
-            let of_segment = match pair.antagonist {
-                Side::Segment(number) | Side::Driven(_, number) => {
-                    self.scene.segments[number as usize].friction
-                }
-                _ => None,
-            };
             // The guides of a lid and of driven segments are smooth.
             let is_guided = pair.candidate as usize >= self.grain_count();
-            let friction = if is_guided { [0.0; 2] } else { of_segment.map_or(rough, |mu| [rough[0], mu]) };
-            let friction = friction.map(|mu| mu * self.static_factor((pair.candidate, pair.antagonist)));
+            let friction = if is_guided { 0.0 } else { self.friction(pair) };
             let mut parts = parts::<M>(pair, &self.radius, motion, friction);
             let contact = M::contact(&parts);
             let enters = match law {
@@ -116,10 +107,11 @@ impl<M: Marched> March<M> {
         bodies.guides().for_each(|(pair, motion)| visit(&pair, &motion));
     }
 
-    /// Factor of μ at a contact, by whether it slid in the time step before (–).
-    fn static_factor(&self, key: (u32, Side)) -> f64 {
-        let ratio = self.scene.static_friction_ratio.unwrap_or(1.0);
-        if self.sliding.binary_search(&key).is_ok() { 1.0 } else { ratio }
+    /// μ of a pair, by whether it slid in the time step before (–).
+    fn friction(&self, pair: &DetectedContact<M::Place>) -> f64 {
+        let slid = || self.sliding.binary_search(&(pair.candidate, pair.antagonist)).is_ok();
+        let ratio = self.scene.static_friction_ratio.filter(|_| !slid());
+        self.scene.friction_of(pair, &self.radius) * ratio.unwrap_or(1.0)
     }
 
     /// Returns the contacts of a time step that slide with its impulses `r` (N·s), in order; none where static friction is not another.

@@ -114,7 +114,7 @@ fn inside<P: Place>(scene: &Scene, time: f64, position: &[P], radius: &[f64]) ->
 
 /// The fewest contacts that hold a grain: against any load d + 1, and where its weight is one of the loads d; 2 with friction.
 fn needed<P: Place>(scene: &Scene) -> u32 {
-    if scene.friction.is_some_and(|mu| mu > 0.0) {
+    if scene.has_rough_grains() {
         2
     } else if scene.gravity_m_per_s2 != 0.0 {
         P::LEN as u32

@@ -192,15 +192,14 @@ fn tangents<P: Place>(normal: P) -> [P; 2] {
     }
 }
 
-/// The numbers of the contact of a pair, with the motion of its wall, if it has one, and μ between grains and at walls.
+/// The numbers of the contact of a pair, with the motion of its wall, if it has one, and its μ.
 pub(crate) fn parts<M: Marched>(
     pair: &DetectedContact<M::Place>,
     radius: &[f64],
     motion: &WallMotion<M::Place>,
-    friction: [f64; 2],
+    friction: f64,
 ) -> Parts<M::Place> {
     let DetectedContact { candidate, antagonist, normal, .. } = *pair;
-    let friction = friction[usize::from(!matches!(antagonist, Side::Grain(_)))];
     // The grain, the lid or the driven segment, unless it is a wall.
     let antagonist = match antagonist {
         Side::Grain(j) | Side::Lid(j, _) | Side::Driven(j, _) => Some(j),

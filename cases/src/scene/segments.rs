@@ -184,8 +184,7 @@ impl Segment {
         let expected = "positive for a segment without length, and not negative for any";
         let radius = [("radius_m", self.radius_m, is_thick, expected)];
         let removed = self.removed_at_s.map(|removed| not_negative("removed_at_s", removed));
-        let friction = self.friction.map(|friction| not_negative("friction", friction));
-        check(place, radius.into_iter().chain(removed).chain(friction))?;
+        check(place, radius.into_iter().chain(removed))?;
         if let Some(vibration) = &self.vibration {
             vibration.check_resolved(place, time_step_s)?;
         }

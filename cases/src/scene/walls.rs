@@ -1,6 +1,6 @@
 //! The box: a floor and walls that tilt, close, slide or vibrate, and how each moves where a grain is.
 
-use crate::file::values::{check, not_negative, positive};
+use crate::file::values::{check, positive};
 use crate::scene::lid::Lid;
 use crate::scene::motion::Vibration;
 use contact::{Place, is_positive, shown};
@@ -149,8 +149,7 @@ impl Walls {
             let valid = is_positive(bumps) && self.belt_speed_m_per_s == 0.0;
             ("bump_radius_m", bumps, valid, "positive and finite, on a floor that is no belt")
         });
-        let friction = self.friction.map(|mu| not_negative("friction", mu));
-        check("scene.box", lengths.chain(bumps).chain(friction))?;
+        check("scene.box", lengths.chain(bumps))?;
         if let Some(vibration) = &self.vibration {
             vibration.check_resolved("scene.box", time_step_s)?;
         }
