@@ -1,8 +1,9 @@
 //! Newton's method on the statuses of contacts, begun by conjugate gradients, then by sweeps where these come no nearer.
 
+use crate::exact::{Lawful, Own};
 use crate::gradient::Stored;
 use crate::newton::Newton;
-use crate::sweeps::{Exact, Sweeps};
+use crate::sweeps::Sweeps;
 use crate::{LocalProblem, gradient};
 use cg::{ConeRun, Preconditioner};
 use contact::{Iteration, Work};
@@ -32,7 +33,6 @@ enum Phase<'p, const D: usize> {
 /// A run on one problem.
 pub(crate) struct ActiveSet<'p, const D: usize> {
     problem: &'p LocalProblem,
-    exact: Exact<D>,
     phase: Phase<'p, D>,
     newton: Newton<'p, D>,
     /// Residual before Newton's method has its step, while it has a try (√J).
@@ -50,13 +50,15 @@ pub(crate) struct ActiveSet<'p, const D: usize> {
     work: Work,
 }
 
-impl<'p, const D: usize> ActiveSet<'p, D> {
+impl<'p, const D: usize> ActiveSet<'p, D>
+where
+    Own<D>: Lawful<D>,
+{
     /// From r = 0, by conjugate gradients to `start_accuracy` (–).
-    pub(crate) fn new(problem: &'p LocalProblem, exact: Exact<D>, start_accuracy: f64) -> Self {
+    pub(crate) fn new(problem: &'p LocalProblem, start_accuracy: f64) -> Self {
         let scale = problem.scale().sqrt();
         Self {
             problem,
-            exact,
             phase: Phase::Gradient(Box::new(gradient(problem, Preconditioner::Diagonal))),
             newton: Newton::new(problem),
             trying: None,
@@ -118,7 +120,7 @@ impl<'p, const D: usize> ActiveSet<'p, D> {
         let ended = std::mem::replace(&mut self.phase, Phase::Ended);
         if let Phase::Gradient(run) = ended {
             self.work = run.work();
-            if let Ok(mut sweeps) = Sweeps::new(self.problem, self.exact, 1, None) {
+            if let Ok(mut sweeps) = Sweeps::new(self.problem, 1, None) {
                 sweeps.begin(&self.best.0);
                 self.phase = Phase::Sweeps(Box::new(sweeps));
             }
@@ -167,7 +169,10 @@ fn next_rung(rung: f64, left: f64) -> f64 {
     rungs.take(RUNGS).find(|rung| *rung < left).unwrap_or(0.0)
 }
 
-impl<const D: usize> Iteration for ActiveSet<'_, D> {
+impl<const D: usize> Iteration for ActiveSet<'_, D>
+where
+    Own<D>: Lawful<D>,
+{
     fn advance(&mut self) {
         match self.trying {
             Some(before) => self.newton(before),

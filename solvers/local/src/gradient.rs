@@ -36,8 +36,7 @@ impl<'p, const D: usize> Stored<'p, D> {
     pub(crate) fn greatest(&self) -> f64 {
         let row = |contact: usize| {
             let mut sums = SVector::<f64, D>::zeros();
-            for at in self.problem.blocks_of(contact) {
-                let (w, other) = self.problem.entry::<D>(at);
+            for (w, other) in self.problem.row::<D>(contact) {
                 let scaled = |row: usize, column: usize| {
                     (w[(row, column)] / (self.unit[contact][row] * self.unit[other][column])).abs()
                 };

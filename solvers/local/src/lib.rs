@@ -20,8 +20,9 @@ use active_set::ActiveSet;
 use cg::ConeRun;
 use contact::acceleration::Momentum;
 use contact::{Iteration, SetupError};
+use exact::{Lawful, Own};
 use gradient::Stored;
-use sweeps::{Exact, Sweeps};
+use sweeps::Sweeps;
 
 /// A method that needs no grains, with its settings. All begin from r = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,25 +53,25 @@ impl Method {
     /// Names the setting that has no meaning for it.
     pub fn start<'p>(&self, problem: &'p LocalProblem) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         match problem.dimension() {
-            1 => self.start_with(problem, exact::line),
-            2 => self.start_with(problem, exact::plane),
-            _ => self.start_with(problem, exact::space),
+            1 => self.start_with::<1>(problem),
+            2 => self.start_with::<2>(problem),
+            _ => self.start_with::<3>(problem),
         }
     }
 
     fn start_with<'p, const D: usize>(
         self,
         problem: &'p LocalProblem,
-        exact: Exact<D>,
-    ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
+    ) -> Result<Box<dyn Iteration + 'p>, SetupError>
+    where
+        Own<D>: Lawful<D>,
+    {
         Ok(match self {
-            Self::Nsgs { subdomains, momentum } => {
-                Box::new(Sweeps::new(problem, exact, subdomains, momentum)?)
-            }
+            Self::Nsgs { subdomains, momentum } => Box::new(Sweeps::<D>::new(problem, subdomains, momentum)?),
             Self::Cg { preconditioner } => Box::new(gradient::<D>(problem, preconditioner)),
             Self::ActiveSet { start_accuracy } => {
                 SetupError::unless_not_negative("start_accuracy", start_accuracy)?;
-                Box::new(ActiveSet::<D>::new(problem, exact, start_accuracy))
+                Box::new(ActiveSet::<D>::new(problem, start_accuracy))
             }
         })
     }

@@ -84,8 +84,7 @@ impl<'p, const D: usize> Newton<'p, D> {
         let r = self.listed(|_, s| s);
         let of = |contact: usize| {
             let mut terms = SVector::<f64, D>::at(self.problem.q(), contact).abs();
-            for at in self.problem.blocks_of(contact) {
-                let (w, other) = self.problem.entry::<D>(at);
+            for (w, other) in self.problem.row::<D>(contact) {
                 terms += w.abs() * SVector::<f64, D>::at(&r, other).abs();
             }
             terms.component_div(&self.unit[contact]).norm_squared()
@@ -136,8 +135,7 @@ impl<'p, const D: usize> Newton<'p, D> {
         let mut entries = Vec::new();
         for (row, contact) in closed.iter().enumerate() {
             let [a, b] = status[*contact].conditions(self.friction[*contact], PROXIMAL);
-            for at in self.problem.blocks_of(*contact) {
-                let (w, other) = self.problem.entry::<D>(at);
+            for (w, other) in self.problem.row::<D>(*contact) {
                 let Some(column) = place[other] else { continue };
                 let w = w.component_div(&(self.unit[*contact] * self.unit[other].transpose()));
                 let block = if other == *contact { a + b * w } else { b * w };

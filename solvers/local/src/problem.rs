@@ -149,7 +149,7 @@ impl LocalProblem {
         &self.column[self.blocks_of(contact)]
     }
 
-    pub(crate) fn blocks_of(&self, contact: usize) -> std::ops::Range<usize> {
+    fn blocks_of(&self, contact: usize) -> std::ops::Range<usize> {
         self.start[contact]..self.start[contact + 1]
     }
 
@@ -170,10 +170,15 @@ impl LocalProblem {
         &self.matrices()[self.diagonal[contact]]
     }
 
-    /// `W_αβ` (1/kg) of a block, and β.
+    /// The blocks `W_αβ` of a contact (1/kg), with β.
     #[inline]
-    pub(crate) fn entry<const D: usize>(&self, at: usize) -> (&SMatrix<f64, D, D>, usize) {
-        (&self.matrices()[at], self.column[at] as usize)
+    pub(crate) fn row<const D: usize>(
+        &self,
+        contact: usize,
+    ) -> impl Iterator<Item = (&SMatrix<f64, D, D>, usize)> {
+        let all = self.blocks_of(contact);
+        let columns = self.column[all.clone()].iter().map(|column| *column as usize);
+        self.matrices()[all].iter().zip(columns)
     }
 
     /// (W r)_α (m/s), where `r` gives the impulse of each contact (N·s).
@@ -182,11 +187,7 @@ impl LocalProblem {
         contact: usize,
         r: impl Fn(usize) -> SVector<f64, D>,
     ) -> SVector<f64, D> {
-        let of = |at: usize| {
-            let (w, other) = self.entry::<D>(at);
-            w * r(other)
-        };
-        self.blocks_of(contact).map(of).sum()
+        self.row::<D>(contact).map(|(w, other)| w * r(other)).sum()
     }
 
     /// v = W r + q (m/s), normal first at each contact, of the impulses `r` (N·s).

@@ -8,13 +8,11 @@
 //!
 //! With acceleration the iterations are extrapolated as those between grains ([`contact::acceleration`]), in the norm of the blocks `W_αα`.
 
+use crate::exact::{Lawful, Own};
 use crate::{LocalProblem, graph};
 use contact::acceleration::{Lead, Momentum};
 use contact::{Iteration, SetupError, Vector, Work, threads};
 use nalgebra::{SMatrix, SVector};
-
-/// The law at one contact, from `W_αα`, the relative velocity without its own impulse, and μ.
-pub(crate) type Exact<const D: usize> = fn(&SMatrix<f64, D, D>, &SVector<f64, D>, f64) -> SVector<f64, D>;
 
 /// Approximate cost of the update of a contact (ns).
 const NANOSECONDS: usize = 100;
@@ -22,11 +20,10 @@ const NANOSECONDS: usize = 100;
 /// A run on one problem.
 pub(crate) struct Sweeps<'p, const D: usize> {
     problem: &'p LocalProblem,
-    exact: Exact<D>,
     subdomains: Vec<Subdomain<D>>,
     /// The subdomain of each contact, and its place there.
     place: Vec<(u32, u32)>,
-    /// Term added to the diagonal of `W_αα` (1/kg).
+    /// Term added to the diagonal of `W_αα` (1/kg), where there are several subdomains.
     added: Vec<SVector<f64, D>>,
     /// r after the last sweep (N·s).
     r: Vec<SVector<f64, D>>,
@@ -38,6 +35,8 @@ pub(crate) struct Sweeps<'p, const D: usize> {
 
 struct Subdomain<const D: usize> {
     contacts: Vec<u32>,
+    /// The law at each, with what is added to its block.
+    own: Vec<Own<D>>,
     r: Vec<SVector<f64, D>>,
 }
 
@@ -48,38 +47,34 @@ impl<'p, const D: usize> Sweeps<'p, D> {
     /// If there cannot be so many subdomains.
     pub(crate) fn new(
         problem: &'p LocalProblem,
-        exact: Exact<D>,
         subdomains: usize,
         momentum: Option<Momentum>,
     ) -> Result<Self, SetupError> {
         let of = graph::subdomains(problem, subdomains)?;
-        let mut all: Vec<Subdomain<D>> =
-            (0..subdomains).map(|_| Subdomain { contacts: Vec::new(), r: Vec::new() }).collect();
-        let mut place = Vec::with_capacity(of.len());
-        for (contact, own) in of.iter().enumerate() {
-            let Subdomain { contacts, r } = &mut all[*own as usize];
-            place.push((*own, contacts.len() as u32));
-            contacts.push(contact as u32);
-            r.push(SVector::zeros());
-        }
-        let mut added = vec![SVector::zeros(); of.len()];
+        let none = || Subdomain { contacts: Vec::new(), own: Vec::new(), r: Vec::new() };
+        let mut all: Vec<Subdomain<D>> = (0..subdomains).map(|_| none()).collect();
+        let (mut place, mut added) = (Vec::with_capacity(of.len()), Vec::with_capacity(of.len()));
         let mut interface = 0;
-        for (contact, added) in added.iter_mut().enumerate() {
-            let mut needed_by = Vec::new();
-            for at in problem.blocks_of(contact) {
-                let (w, other) = problem.entry::<D>(at);
-                if of[other] != of[contact] {
-                    *added += w.abs().column_sum();
-                    needed_by.push(of[other]);
-                }
+        for (contact, subdomain) in of.iter().enumerate() {
+            let (mut more, mut needed_by) = (SVector::zeros(), Vec::new());
+            for (w, other) in problem.row::<D>(contact).filter(|(_, other)| of[*other] != *subdomain) {
+                more += w.abs().column_sum();
+                needed_by.push(of[other]);
             }
             needed_by.sort_unstable();
             needed_by.dedup();
             interface += (D * needed_by.len()) as u64;
+            added.push(more);
+            let w = problem.own::<D>(contact) + SMatrix::from_diagonal(&more);
+            let Subdomain { contacts, own, r } = &mut all[*subdomain as usize];
+            place.push((*subdomain, contacts.len() as u32));
+            contacts.push(contact as u32);
+            own.push(Own::new(w, problem.friction()[contact]));
+            r.push(SVector::zeros());
         }
         let r = vec![SVector::zeros(); of.len()];
         let accelerated = momentum.map(|momentum| (momentum.of_problem(D > 1), Lead::new(&r)));
-        Ok(Self { problem, exact, subdomains: all, place, added, r, accelerated, iterations: 0, interface })
+        Ok(Self { problem, subdomains: all, place, added, r, accelerated, iterations: 0, interface })
     }
 
     /// Takes the impulses `r` (N·s).
@@ -100,7 +95,10 @@ impl<'p, const D: usize> Sweeps<'p, D> {
     }
 }
 
-impl<const D: usize> Iteration for Sweeps<'_, D> {
+impl<const D: usize> Iteration for Sweeps<'_, D>
+where
+    Own<D>: Lawful<D>,
+{
     fn advance(&mut self) {
         let contacts = self.r.len();
         if let Some((momentum, lead)) = &mut self.accelerated {
@@ -108,23 +106,22 @@ impl<const D: usize> Iteration for Sweeps<'_, D> {
             lead.extrapolate(&mut self.r, 0..contacts);
             self.hand_out();
         }
-        let Self { problem, exact, subdomains, place, added, r, .. } = self;
-        threads::each(subdomains, place.len() * NANOSECONDS, &|own, subdomain| {
-            for k in 0..subdomain.contacts.len() {
-                let contact = subdomain.contacts[k] as usize;
-                let mut w = *problem.own::<D>(contact);
+        let Self { problem, subdomains, place, added, r, .. } = self;
+        let is_alone = subdomains.len() == 1;
+        threads::each(subdomains, place.len() * NANOSECONDS, &|number, subdomain| {
+            let Subdomain { contacts, own, r: inside } = subdomain;
+            for (k, (contact, own)) in contacts.iter().zip(own).enumerate() {
+                let contact = *contact as usize;
                 // What is added acts on the change of r alone.
-                let mut v = SVector::at(problem.q(), contact) - added[contact].component_mul(&subdomain.r[k]);
-                (0..D).for_each(|k| w[(k, k)] += added[contact][k]);
-                for at in problem.blocks_of(contact) {
-                    let (w, other) = problem.entry::<D>(at);
-                    if other != contact {
-                        let (of, there) = place[other];
-                        let is_own = of as usize == own;
-                        v += w * if is_own { subdomain.r[there as usize] } else { r[other] };
+                let mut v = SVector::at(problem.q(), contact) - added[contact].component_mul(&inside[k]);
+                for (w, other) in problem.row::<D>(contact) {
+                    if other == contact {
+                        continue;
                     }
+                    let (of, there) = if is_alone { (0, other as u32) } else { place[other] };
+                    v += w * if of as usize == number { inside[there as usize] } else { r[other] };
                 }
-                subdomain.r[k] = exact(&w, &v, problem.friction()[contact]);
+                inside[k] = own.impulse(&v);
             }
         });
         for subdomain in &self.subdomains {
