@@ -78,12 +78,13 @@ fn set_of_the_solution_needs_one_factorisation() {
         let again = to_its_end(&mut *from_it, &problem);
         assert_eq!(from_it.work().factorisations, 1, "{name}");
         assert!(distance(&problem, &again, &r) < 1e-10, "{name}");
-        // Without that, sweeps come first, up to the first look at what they leave.
-        let not_warm = ActiveSet { warm: false, ..ActiveSet::default() };
-        let mut run = not_warm.start(&problem, &r).unwrap();
-        run.advance();
-        assert_eq!(run.work().factorisations, 0, "{name}");
-        assert!(distance(&problem, &to_its_end(&mut *run, &problem), &r) < 1e-10, "{name}, not warm");
+        // In the place of conjugate gradients it is tried at once, unless it is not to be.
+        for warm in [true, false] {
+            let mut run = ActiveSet { warm, ..method(Start::Cg) }.start(&problem, &r).unwrap();
+            run.advance();
+            assert_eq!(run.work().factorisations, u64::from(warm), "{name}");
+            assert!(distance(&problem, &to_its_end(&mut *run, &problem), &r) < 1e-10, "{name}, warm: {warm}");
+        }
     }
 }
 
@@ -91,7 +92,7 @@ fn set_of_the_solution_needs_one_factorisation() {
 #[test]
 fn set_of_a_column_that_begins_closed_is_its_last() {
     let problem = first_problem("column", &[("sample.grains", "30")]).problem;
-    let mut run = ActiveSet::default().start(&problem, &[1e-6; 30]).unwrap();
+    let mut run = method(Start::ColdSet).start(&problem, &[1e-6; 30]).unwrap();
     run.advance();
     assert!(run.stalled(), "round-off is left");
     assert_eq!(run.work().factorisations, 1);

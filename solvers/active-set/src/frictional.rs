@@ -1,8 +1,8 @@
 //! With friction: the stages that lead to where Newton's method ends, one after the other.
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
-//! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
-//! resume where it stalls. Where sweeps stall for the first time, an interior point solves the convex relaxation, which is the law
+//! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, and they have had the time of a factor since
+//! then, or stall, Newton's method is tried; sweeps resume where it stalls. Where sweeps stall for the first time, an interior point solves the convex relaxation, which is the law
 //! where nothing slides, and sweeps resume from its impulses: it chooses load paths where sweeps drift for ever. Where they stall
 //! again, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where factors do not
 //! fit in memory, sweeps are the only stage.
@@ -89,6 +89,8 @@ where
     /// Accelerated sweeps, and how many; work of those that ended.
     sweeps: Box<dyn Iteration + 'p>,
     swept: u64,
+    /// Sweeps after which a factor may be made, once the time that it takes is known: it waits until sweeps have had as much.
+    due: Option<u64>,
     ended: Work,
     /// Residual of the sweeps when it was last halved (√J), and after how many of them.
     halved: (f64, u64),
@@ -123,12 +125,20 @@ where
             self.halved = (left, self.swept);
         }
         self.best.take(left, |best| best.copy_from_slice(&r));
-        if left <= self.rung {
+        let has_stalled = self.swept >= self.halved.1 + PATIENCE;
+        if left <= self.rung && (has_stalled || self.is_due()) {
             self.best = Best { left, impulses: r };
             self.try_newton();
-        } else if self.swept >= self.halved.1 + PATIENCE || !left.is_finite() {
+        } else if has_stalled || !left.is_finite() {
             self.begin_relaxation();
         }
+    }
+
+    /// Reports whether sweeps have had the time of a factor since the last try of Newton's method.
+    fn is_due(&mut self) -> bool {
+        let due = self.due.unwrap_or_else(|| self.newton.sweeps_of_factor().unwrap_or(0));
+        self.due = Some(due);
+        self.swept >= due
     }
 
     /// The relaxation, or proximal points where it has been tried or is far from the law; neither, where factors do not fit in memory.
@@ -203,6 +213,7 @@ where
             Step::On => Phase::Newton,
             Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
             Step::InVain => {
+                self.due = self.newton.sweeps_of_factor().map(|sweeps| self.swept + sweeps);
                 self.phase = Phase::Sweeps;
                 return self.sweep();
             }
@@ -262,25 +273,24 @@ impl ActiveSet {
         }
         let at_once = self.start == Some(Start::ColdSet);
         let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
-        let (left, rung) = (newton.left_by(r0), accuracy * scale);
+        let left = newton.left_by(r0);
         let mut run: Run<P, D, N> = Run {
             problem,
             sweeps: accelerated(problem, r0)?,
             swept: 0,
+            due: None,
             ended: Work::default(),
             halved: (f64::INFINITY, 0),
             newton,
             relaxation: None,
             points: None,
             phase: Phase::Sweeps,
-            rung,
+            rung: accuracy * scale,
             scale,
             best: Best { left, impulses: r0.to_vec() },
         };
         if at_once {
             run.newton.prepare()?;
-        }
-        if at_once || self.warm && left <= rung && r0.iter().any(|r| *r != 0.0) {
             run.try_newton();
         }
         Ok(Box::new(run))

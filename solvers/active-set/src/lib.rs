@@ -9,7 +9,8 @@
 //! Near a solution each set is nearly that of the solution, and the last is it: the iterate is then exact. Far from it sets can
 //! wander or come back. So an iteration is one of three: a sweep, until what is left of the law is small, or an interior point would
 //! have been cheaper; of the active set, as long as each few sets leave less than all before; of an interior point, which finds its way
-//! from anywhere, until what is left is a hundredth of what it was, and the active set tries again. Where sets wander, sweeps resume
+//! from anywhere, until what is left is a hundredth of what it was, and the active set tries again. No set is tried before the start has
+//! taken the time of its factor: so the way that was not needed costs no more than the one that was. Where sets wander, sweeps resume
 //! to a tenth of what was left, as long as they may; then the interior point has its turn. Where that fails too, sweeps begin anew
 //! from the best impulses, twice as many each time. Conjugate gradients may take the place of sweeps.
 //!
@@ -35,7 +36,7 @@ use interior::Interior;
 use scaled::Scaled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use start::{Begun, RUNG};
+use start::{Begun, RUNG, STEPS};
 
 /// Settings of the active set.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
@@ -46,8 +47,8 @@ pub struct ActiveSet {
     /// Residual of the law at which the first set is taken, as a natural map (–): unless given 1e-3; 3e-3 with friction,
     /// with conjugate gradients, and where there is W alone.
     pub start_accuracy: Option<f64>,
-    /// Warm start: start impulses, where there are some, take the place of `start`: the first set is theirs, with friction if they
-    /// reach `start_accuracy`.
+    /// Warm start: start impulses, where there are some, give the first set in the place of conjugate gradients or an interior point. Sweeps
+    /// begin from them.
     pub warm: bool,
 }
 
@@ -86,6 +87,9 @@ pub struct Run<'p, const D: usize, K: Inner<D> = Whole<D>> {
     begun: Option<Begun<'p, D>>,
     iterations: u64,
     most: u64,
+    /// Iterations that take as long as a factor, and those after which a set may be taken.
+    of_factor: u64,
+    due: u64,
     interior: Option<Interior>,
     /// True where the interior point found no way on.
     is_lost: bool,
@@ -142,7 +146,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         begun.advance();
         self.iterations += 1;
         let is_over = self.iterations == self.most;
-        if !(is_over || begun.is_due(self.iterations, self.accuracy)) {
+        if !(is_over || self.iterations >= self.due && begun.is_due(self.iterations, self.accuracy)) {
             return;
         }
         let mut r = vec![0.0; self.best.impulses.len()];
@@ -189,6 +193,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         self.tries = Tries::default();
         if self.begun.is_some() && self.iterations < self.most {
             self.accuracy = RUNG * self.accuracy.min(self.best.left);
+            self.due = self.iterations + self.of_factor;
             // Sets may have come nearer before they wandered.
             if self.best.left < self.handed { self.begin_from_best() } else { self.phase = Phase::Begun }
         } else if self.is_lost {
@@ -203,7 +208,7 @@ impl<const D: usize, K: Inner<D>> Run<'_, D, K> {
         if self.begun.is_some() {
             self.most = self.most.saturating_mul(2);
         }
-        self.iterations = 0;
+        (self.iterations, self.due) = (0, self.of_factor);
         self.begin_from_best();
     }
 
@@ -291,9 +296,10 @@ impl ActiveSet {
         let accuracy = self.accuracy(start.accuracy())?;
         let mut set = Set::on(Scaled::new(problem, inner));
         let scale = problem.scale().sqrt();
-        let most = start.most(set.step_ns());
+        let of_factor = start.iterations_of(set.scaled.inner.cost(), set.scaled.contacts(), 1);
         set.begin(r0);
-        let is_warm = self.warm && r0.iter().any(|r| *r > 0.0);
+        // Sweeps begin from them.
+        let is_warm = self.warm && start != Start::Sweeps && r0.iter().any(|r| *r > 0.0);
         let phase = match start {
             Start::ColdSet => Phase::Set,
             _ if is_warm => Phase::Set,
@@ -309,7 +315,9 @@ impl ActiveSet {
             start,
             begun,
             iterations: 0,
-            most,
+            most: (STEPS * of_factor).max(1.0) as u64,
+            of_factor: of_factor as u64,
+            due: of_factor as u64,
             interior: None,
             is_lost: false,
             accuracy: accuracy * scale,

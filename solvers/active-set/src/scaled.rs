@@ -76,13 +76,6 @@ impl<const D: usize, K: Inner<D>> Scaled<D, K> {
         }
     }
 
-    /// Returns about how long a step of an interior point takes, over the number of contacts (ns): 0.1 ns per multiply-add of its
-    /// factorisation, 3 ns per entry of its two solves, and 30 ns.
-    pub(crate) fn step_ns(&self) -> f64 {
-        let (multiply_adds, entries) = self.inner.cost();
-        (0.1 * multiply_adds as f64 + 3.0 * entries as f64) / self.columns.len().max(1) as f64 + 30.0
-    }
-
     /// κ of a closed contact (–).
     pub(crate) fn penalty(&self) -> f64 {
         self.inner.penalty()

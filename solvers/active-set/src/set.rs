@@ -131,11 +131,6 @@ impl<const D: usize, K: Inner<D>> Set<D, K> {
         self.scaled.impulses(&self.s, r);
     }
 
-    /// See [`Scaled::step_ns`].
-    pub(crate) fn step_ns(&self) -> f64 {
-        self.scaled.step_ns()
-    }
-
     /// Work so far.
     pub fn work(&self) -> Work {
         self.scaled.work()

@@ -31,10 +31,10 @@ const ACCURACY: f64 = 1e-3;
 pub const ACCURACY_OF_DEARER: f64 = 3e-3;
 
 /// Steps of an interior point that the start may take the time of (–): twice those that lead to the neighbourhood of a solution.
-const STEPS: f64 = 28.0;
+pub(crate) const STEPS: f64 = 28.0;
 
-/// Time of an accelerated sweep and of an iteration of the conjugate gradient at a contact (ns).
-const SWEEP: f64 = 4.0;
+/// Time of an accelerated sweep at a contact with so many unknowns, and of an iteration of the conjugate gradient at one with one (ns).
+const SWEEP: [f64; 3] = [4.0, 9.0, 20.0];
 const GRADIENT: f64 = 6.0;
 
 /// Ratio of a residual at which sets, or Newton's method, are tried to that of the last try (–).
@@ -49,10 +49,16 @@ impl Start {
         if self == Self::Cg { ACCURACY_OF_DEARER } else { ACCURACY }
     }
 
-    /// Returns how many iterations it may take, where an interior point takes so many nanoseconds at a contact for a step.
-    pub(crate) fn most(self, step_ns: f64) -> u64 {
-        let of_one = if self == Self::Cg { GRADIENT } else { SWEEP };
-        (STEPS * step_ns / of_one).max(1.0) as u64
+    /// Returns how many iterations take as long as a factor and two solves with it, of so many multiply-adds and entries, where there are
+    /// so many `contacts` with so many `unknowns` each: 0.1 ns per multiply-add, 3 ns per entry, and 30 ns per contact.
+    pub(crate) fn iterations_of(
+        self,
+        (multiply_adds, entries): (u64, usize),
+        contacts: usize,
+        unknowns: usize,
+    ) -> f64 {
+        let factor = (0.1 * multiply_adds as f64 + 3.0 * entries as f64) / contacts.max(1) as f64 + 30.0;
+        factor / if self == Self::Cg { GRADIENT } else { SWEEP[unknowns - 1] }
     }
 }
 

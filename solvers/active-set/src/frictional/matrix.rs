@@ -64,6 +64,11 @@ where
         })
     }
 
+    /// Returns the multiply-adds of a factorisation, and the entries of its factors.
+    pub(super) fn cost(&self) -> (u64, usize) {
+        (2 * self.structure.work(), 2 * self.structure.entries())
+    }
+
     /// Reports whether it solves with the matrix of these statuses and ε (–).
     pub(super) fn is_of(&self, status: &[Status<D>], epsilon: f64) -> bool {
         self.is_factorised && self.epsilon == epsilon && self.status == status

@@ -7,6 +7,7 @@
 use super::layout::{ColumnOf, Drawn, Layout};
 use super::matrix::Matrix;
 use crate::Best;
+use crate::start::Start;
 use contact::law::tangential;
 use contact::status::wanted;
 use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
@@ -76,6 +77,13 @@ where
     pub(super) fn prepare(&mut self) -> Result<(), SetupError> {
         let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
         matrix.as_ref().map(|_| ()).map_err(Clone::clone)
+    }
+
+    /// Returns how many sweeps take as long as a factor; none, where the matrix does not fit in memory.
+    pub(super) fn sweeps_of_factor(&mut self) -> Option<u64> {
+        self.prepare().ok()?;
+        let cost = self.matrix.iter().flatten().map(Matrix::cost).next()?;
+        Some(Start::Sweeps.iterations_of(cost, self.layout.columns.len(), D) as u64)
     }
 
     /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
