@@ -210,8 +210,7 @@ fn solved(
 ) -> Result<Solved> {
     stop.check()?;
     let problem = Problem::alone(frozen, truth || stop.on == Measure::VelocityError);
-    let default = Method::marching(problem.posed.facts().of_contact > 1, "none")?;
-    let method = &default.or_named(method.as_deref(), settings)?;
+    let method = &Method::unless_named()?.or_named(method.as_deref(), settings)?;
     let known = problem.known(root)?;
     let mut recorder = Recorder::new(Curves::Whole);
     let mut observe = |progress: &Progress| {

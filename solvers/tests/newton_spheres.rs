@@ -18,6 +18,9 @@ use reference::{RoughSolution, certify, continued, distance, polished, solve_rou
 use runner::{Stop, solve};
 use std::path::Path;
 
+/// Newton's method from the start impulses.
+const AT_ONCE: ActiveSet = ActiveSet { start: Some(Start::ColdSet), start_accuracy: None, warm: true };
+
 /// Contacts between spheres of radius 0.5 m and mass 1 kg, or with walls, each given by its grains and normal.
 fn spheres(
     free: &[Vector3<f64>],
@@ -135,7 +138,7 @@ fn layer_in_space_is_solved_by_impulses_of_the_plane() {
     }
     assert!(certify(&laid, &r).certified());
     // From it nothing moves; from near it Newton's method comes back.
-    let (stays, is_ended, factorisations) = ended(&ActiveSet::default(), &laid, &r, 10);
+    let (stays, is_ended, factorisations) = ended(&AT_ONCE, &laid, &r, 10);
     assert!(is_ended && factorisations <= 1 && certify(&laid, &stays).certified());
     let near: Vec<f64> = r.iter().map(|r| r * (1.0 + 1e-6)).collect();
     assert!(!certify(&laid, &near).certified());
@@ -168,7 +171,7 @@ fn falling_packing_is_certified_and_its_solution_stays() {
         let problem = roughened(&smooth, &radius, friction);
         let found: Vec<RoughSolution> = solve_rough(&problem, seed..=seed, || {});
         assert!(found[0].certificate.certified(), "{friction}: {}", found[0].certificate);
-        let (r, is_ended, factorisations) = ended(&ActiveSet::default(), &problem, &found[0].impulses, 3);
+        let (r, is_ended, factorisations) = ended(&AT_ONCE, &problem, &found[0].impulses, 3);
         assert!(is_ended && factorisations <= 2, "{factorisations}");
         assert!(certify(&problem, &r).certified());
     }

@@ -54,8 +54,7 @@ pub(crate) struct SceneArgs {
 /// A method and until when it runs, on the command line.
 #[derive(clap::Args)]
 pub(crate) struct SolverArgs {
-    /// A method; `gravel list methods` shows them with their settings [default: cg; with friction
-    /// active-set]
+    /// A method; `gravel list methods` shows them with their settings [default: active-set; on ranks cg]
     #[arg(long, value_name = "M")]
     method: Option<String>,
     /// A setting of the method, such as relaxation=0.8 or subdomains=4x2; may be repeated
@@ -203,9 +202,9 @@ impl CaseArgs {
 }
 
 impl SolverArgs {
-    /// Returns the method, or else the active set with friction and cg without.
-    pub(crate) fn read(&self, is_frictional: bool) -> Result<(Method, Stop)> {
-        self.or((Method::marching(is_frictional, "none")?, Stop::default()))
+    /// Returns the method, or else the active set.
+    pub(crate) fn read(&self) -> Result<(Method, Stop)> {
+        self.or((Method::unless_named()?, Stop::default()))
     }
 
     /// The method, or else this one; it stops as given here, unless an argument says otherwise.

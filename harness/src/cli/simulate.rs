@@ -80,7 +80,7 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let outputs = files.into_iter().chain([("--vtk", &args.vtk)]);
     check_apart(&outputs.filter_map(|(name, path)| Some((name, path.as_deref()?))).collect::<Vec<_>>())?;
     let case = read_case(&root.case(&args.case)?, &args.changes.overrides)?;
-    let (method, stop) = args.solver.read(case.scene.is_rough())?;
+    let (method, stop) = args.solver.read()?;
     let mut march = march(&case)?;
     march.check(method.ours()?)?;
     warn(&case.name, march.warnings());

@@ -40,7 +40,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
-    let (method, stop) = args.solver.read(false)?;
+    let (method, stop) = args.solver.read()?;
     for file in args.impulses.iter().chain(&args.homogenised) {
         prepare_place(file)?;
     }
@@ -54,8 +54,6 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
         bail!("--homogenised: {} has W alone, no grains and no contacts in space", path.display());
     }
     let (posed, facts) = (&problem.posed, problem.posed.facts());
-    // A wrong method was an error before a problem was made; the default hangs on the problem.
-    let method = if facts.of_contact > 1 { args.solver.read(true)?.0 } else { method };
     let r0 = args.posed.impulses(&path, &problem)?;
     if truth
         && let Ok(collection) = Collection::of(root, None, false)

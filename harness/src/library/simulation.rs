@@ -93,8 +93,7 @@ impl Simulation {
                 serde_path_to_error::deserialize(request).map_err(|error| wrong_key(&error))?;
             let case = read_case(&root.case(name)?, scene)?;
             let mut march = march(&case)?;
-            let default = Method::marching(case.scene.is_rough(), "none")?;
-            let method = default.or_named(request.method.as_deref(), request.settings)?;
+            let method = Method::unless_named()?.or_named(request.method.as_deref(), request.settings)?;
             request.stop.check()?;
             march.check(method.ours()?)?;
             if let Some(file) = restart {

@@ -81,7 +81,10 @@ impl CaseProblem {
         if is_frictional {
             stop.tolerance = WITH_FRICTION;
         }
-        Ok((Method::marching(is_frictional, "diagonal")?, stop))
+        let preconditioned = ("preconditioner".to_owned(), "diagonal".to_owned());
+        let method =
+            if is_frictional { Method::unless_named() } else { Method::parse("cg", &[preconditioned]) };
+        Ok((method?, stop))
     }
 
     /// The problem; the time steps before it are the same whichever method then solves it.

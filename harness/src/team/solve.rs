@@ -54,7 +54,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(posted: &Posted, root: &Root, args: &Args) -> Result<ExitCode> {
-    let (method, stop) = args.solver.read(false)?;
+    let (method, stop) = args.solver.or((Method::parse("cg", &[])?, Stop::default()))?;
     if let Some(folder) = &args.impulses {
         let made = if posted.rank() == 0 { fs::create_dir_all(folder) } else { Ok(()) };
         posted.agree(made.with_context(|| folder.display().to_string()))?;

@@ -134,11 +134,16 @@ where
         }
     }
 
-    /// Reports whether sweeps have had the time of a factor since the last try of Newton's method.
+    /// Reports whether sweeps have had the time of a factor since the last try of Newton's method, if that is longer than they may stall.
     fn is_due(&mut self) -> bool {
-        let due = self.due.unwrap_or_else(|| self.newton.sweeps_of_factor().unwrap_or(0));
+        let due = self.due.unwrap_or_else(|| self.wait());
         self.due = Some(due);
         self.swept >= due
+    }
+
+    /// Returns the number of sweeps that Newton's method waits for.
+    fn wait(&mut self) -> u64 {
+        self.newton.sweeps_of_factor().filter(|sweeps| *sweeps > PATIENCE).unwrap_or(0)
     }
 
     /// The relaxation, or proximal points where it has been tried or is far from the law; neither, where factors do not fit in memory.
@@ -213,7 +218,7 @@ where
             Step::On => Phase::Newton,
             Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
             Step::InVain => {
-                self.due = self.newton.sweeps_of_factor().map(|sweeps| self.swept + sweeps);
+                self.due = Some(self.swept + self.wait());
                 self.phase = Phase::Sweeps;
                 return self.sweep();
             }

@@ -169,8 +169,7 @@ where
     ActiveSet: Solver<M>,
 {
     let mut impulses = r0.to_vec();
-    let method = ActiveSet { warm: false, ..ActiveSet::default() };
-    if let Ok(mut run) = Solver::<M>::start(&method, problem, r0) {
+    if let Ok(mut run) = Solver::<M>::start(&ActiveSet::default(), problem, r0) {
         for _ in 0..MANY {
             if run.stalled() {
                 break;

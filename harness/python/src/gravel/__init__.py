@@ -178,7 +178,7 @@ def solve(
     """Solves the contact problem of one time step.
 
     problem         what `load` gives, a dict of the same keys, or the path (in a checkout also the name) of a file or a case
-    method          one of `gravel list methods`, without it cg, with friction active-set; `settings` are its settings, such as
+    method          one of `gravel list methods`, without it active-set; `settings` are its settings, such as
                     relaxation=1.2 or subdomains="4x2"
     tolerance, on   it has converged when this measure is at most the tolerance
     warm_start      begin from `contacts["start"]`, the impulses of the time step before (N s)
@@ -231,7 +231,7 @@ def simulate(
 
     case            a case: the path of its file, or in a checkout its name
     time_steps      the number of time steps, with `restart` of further ones
-    method          one of `gravel list methods`, without it cg, with friction active-set; `settings` are its settings
+    method          one of `gravel list methods`, without it active-set; `settings` are its settings
     scene           values of the case to replace: scene={"sample.grains": 250, "scene.friction": 0.3}
     tolerance, on, max_iterations
                     each time step is solved until this measure is at most the tolerance (-), or so many iterations are made
