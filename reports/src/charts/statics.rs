@@ -34,13 +34,16 @@ struct Exact {
     acceleration: Option<fn(&Simulation, f64) -> Option<f64>>,
 }
 
+/// Acceleration of a weight of 10 N between two fingers that press with 20 N.
+const PAST_TWO_FINGERS: fn(&Simulation, f64) -> Option<f64> = |_, friction| Some(10.0 - 40.0 * friction);
+
 /// The answers that the cases state, with their sources.
 const EXACT: &[Exact] = &[
     Exact { case: "block-on-slope", least: steep, acceleration: Some(down_the_slope) },
     Exact { case: "block-on-slope-in-space", least: steep, acceleration: Some(down_the_slope) },
     // A weight of 10 N, pressed by 20 N, on two sides and on one.
-    Exact { case: "pinched", least: |_| Some(0.25), acceleration: Some(past_two_fingers) },
-    Exact { case: "pinched-in-space", least: |_| Some(0.25), acceleration: Some(past_two_fingers) },
+    Exact { case: "pinched", least: |_| Some(0.25), acceleration: Some(PAST_TWO_FINGERS) },
+    Exact { case: "pinched-in-space", least: |_| Some(0.25), acceleration: Some(PAST_TWO_FINGERS) },
     Exact {
         case: "held-at-wall",
         least: |_| Some(0.5),
@@ -69,10 +72,6 @@ fn down_the_slope(simulation: &Simulation, friction: f64) -> Option<f64> {
 
 /// Returns the least μ of a heap of one grain on others whose lines of centres have this tangent to the vertical: that of half the angle;
 /// on the floor so many times less. One whose floor is smoother than that never stands.
-fn past_two_fingers(_: &Simulation, friction: f64) -> Option<f64> {
-    Some(10.0 - 40.0 * friction)
-}
-
 fn stack(simulation: &Simulation, tangent: f64, times: f64) -> Option<f64> {
     let least = (0.5 * tangent.atan()).tan();
     let floor = setting(simulation, "scene.box.friction")?;
