@@ -159,7 +159,9 @@ fn explosion_is_a_row_with_its_class_and_a_state_that_can_be_solved_again() {
     let made: u64 = row["time_steps"].parse().unwrap();
     assert!(row["reason"].contains(&format!("time step {}:", made + 1)), "{row:?}");
     let state = study.runs("time").join(&row["last_state"]);
-    let solved = gravel(&["solve", text(&state), "--method", "cg", "--set", "preconditioner=diagonal", "--json"]).json();
+    let solved =
+        gravel(&["solve", text(&state), "--method", "cg", "--set", "preconditioner=diagonal", "--json"])
+            .json();
     assert_eq!(solved["status"], "converged");
     study.gravel(&["figure", "atlas-in-time", "time"]).succeeded();
     let atlas = study.folder().path().join("reports/out/time-atlas-in-time/atlas-in-time.csv");
