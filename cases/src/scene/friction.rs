@@ -7,6 +7,7 @@ use contact::{is_positive, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Display, Formatter};
 
 /// Name by which a material refers to all that is no grain.
 const WALLS: &str = "walls";
@@ -38,35 +39,55 @@ impl Material {
     }
 }
 
+/// Key of a μ below `scene`.
+#[derive(Clone, Copy)]
+enum Key<'s> {
+    Scene,
+    Walls,
+    Segment(usize),
+    /// That of a material, with the name of the other.
+    Pair(usize, &'s str),
+}
+
+impl Key<'_> {
+    /// Reports whether its μ is one between grains.
+    fn is_of_grains(self) -> bool {
+        matches!(self, Self::Scene) || matches!(self, Self::Pair(_, other) if other != WALLS)
+    }
+}
+
+impl Display for Key<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene => f.write_str("friction"),
+            Self::Walls => f.write_str("box.friction"),
+            Self::Segment(number) => write!(f, "segments[{number}].friction"),
+            Self::Pair(number, other) => write!(f, "materials[{number}].friction.{other}"),
+        }
+    }
+}
+
 impl Scene {
-    /// Every μ of the scene, with its key and true where it is one between grains (–).
-    fn frictions(&self) -> impl Iterator<Item = (String, f64, bool)> {
+    /// Every μ of the scene (–), with its key.
+    fn frictions(&self) -> impl Iterator<Item = (Key<'_>, f64)> {
         let of_walls = self.walls.as_ref().and_then(|walls| walls.friction);
-        let of_scene = [("friction", self.friction, true), ("box.friction", of_walls, false)];
-        let of_scene = of_scene.into_iter().map(|(key, mu, of_grains)| (key.to_owned(), mu, of_grains));
-        let of_segments = self
-            .segments
-            .iter()
-            .enumerate()
-            .map(|(number, segment)| (format!("segments[{number}].friction"), segment.friction, false));
+        let of_segments = self.segments.iter().map(|segment| segment.friction).enumerate();
+        let of_segments = of_segments.map(|(number, mu)| (Key::Segment(number), mu));
         let of_pairs = self.materials.iter().enumerate().flat_map(|(number, material)| {
-            let key = move |other| format!("materials[{number}].friction.{other}");
-            material.friction.iter().map(move |(other, mu)| (key(other), Some(*mu), other != WALLS))
+            material.friction.iter().map(move |(other, mu)| (Key::Pair(number, other), Some(*mu)))
         });
-        of_scene
-            .chain(of_segments)
-            .chain(of_pairs)
-            .filter_map(|(key, mu, of_grains)| Some((key, mu?, of_grains)))
+        let of_scene = [(Key::Scene, self.friction), (Key::Walls, of_walls)];
+        of_scene.into_iter().chain(of_segments).chain(of_pairs).filter_map(|(key, mu)| Some((key, mu?)))
     }
 
     /// Reports whether the scene has friction: a μ above 0 somewhere.
     pub fn is_rough(&self) -> bool {
-        self.frictions().any(|(_, mu, _)| mu > 0.0)
+        self.frictions().any(|(_, mu)| mu > 0.0)
     }
 
     /// Reports whether there is friction between grains.
     pub(crate) fn has_rough_grains(&self) -> bool {
-        self.frictions().any(|(_, mu, of_grains)| of_grains && mu > 0.0)
+        self.frictions().any(|(key, mu)| key.is_of_grains() && mu > 0.0)
     }
 
     /// μ of a pair, for bodies with these radii (–).
@@ -94,15 +115,15 @@ impl Scene {
 
     /// Returns the warnings of a μ that no material has.
     pub(crate) fn friction_warnings(&self) -> impl Iterator<Item = String> {
-        self.frictions().filter(|(_, mu, _)| *mu > GREAT_FRICTION).map(|(key, mu, _)| {
+        self.frictions().filter(|(_, mu)| *mu > GREAT_FRICTION).map(|(key, mu)| {
             format!("`scene.{key}` is {}: no material has a friction above {GREAT_FRICTION}", shown(mu))
         })
     }
 
     /// Refuses a μ without meaning, and materials that contradict each other or name none.
     pub(crate) fn check_frictions(&self) -> Result<(), String> {
-        let frictions: Vec<_> = self.frictions().collect();
-        check("scene", frictions.iter().map(|(key, mu, _)| not_negative(key, *mu)))?;
+        let frictions: Vec<_> = self.frictions().map(|(key, mu)| (key.to_string(), mu)).collect();
+        check("scene", frictions.iter().map(|(key, mu)| not_negative(key, *mu)))?;
         let mut names = BTreeSet::from([WALLS]);
         for (number, Material { name, radius_m: [least, greatest], .. }) in self.materials.iter().enumerate()
         {
@@ -121,7 +142,7 @@ impl Scene {
         }
         for (number, one) in self.materials.iter().enumerate() {
             for (other, mu) in &one.friction {
-                let key = format!("scene.materials[{number}].friction.{other}");
+                let key = format!("scene.{}", Key::Pair(number, other));
                 if !names.contains(other.as_str()) {
                     let known: Vec<_> = names.iter().copied().collect();
                     return Err(format!("`{key}` names no material: there are {}", known.join(", ")));

@@ -1,11 +1,12 @@
 //! With friction: the stages that lead to where Newton's method ends, one after the other.
 //!
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
-//! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, and they have had the time of a factor since
-//! then, or stall, Newton's method is tried; sweeps resume where it stalls. Where sweeps stall for the first time, an interior point solves the convex relaxation, which is the law
-//! where nothing slides, and sweeps resume from its impulses: it chooses load paths where sweeps drift for ever. Where they stall
-//! again, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where factors do not
-//! fit in memory, sweeps are the only stage.
+//! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
+//! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
+//! Where sweeps stall for the first time, an interior point solves the convex relaxation, which is the law where nothing slides, and
+//! sweeps resume from its impulses: it chooses load paths where sweeps drift for ever. Where they stall again, proximal points follow
+//! from the best impulses; where these stall too, that is the floor, and the end. Where factors do not fit in memory, sweeps are the
+//! only stage.
 
 mod exact;
 mod layout;

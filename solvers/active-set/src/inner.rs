@@ -32,7 +32,7 @@ pub trait Inner<const D: usize> {
     /// Returns the work done so far.
     fn work(&self) -> Work;
 
-    /// Multiply-adds of a factorisation of the whole, and entries of its factor: after so much the start has taken too long.
+    /// Multiply-adds of a factorisation of the whole, and entries of its factor: they say when the start may end, and when it has taken too long.
     fn cost(&self) -> (u64, usize);
 }
 

@@ -1,6 +1,6 @@
 //! Newton's method on the statuses of contacts, begun by conjugate gradients, then by sweeps where these come no nearer.
 
-use crate::exact::{Lawful, Own};
+use crate::exact::{Exact, Own};
 use crate::gradient::Stored;
 use crate::newton::Newton;
 use crate::sweeps::Sweeps;
@@ -52,7 +52,7 @@ pub(crate) struct ActiveSet<'p, const D: usize> {
 
 impl<'p, const D: usize> ActiveSet<'p, D>
 where
-    Own<D>: Lawful<D>,
+    Own<D>: Exact<D>,
 {
     /// From r = 0, by conjugate gradients to `start_accuracy` (–).
     pub(crate) fn new(problem: &'p LocalProblem, start_accuracy: f64) -> Self {
@@ -171,7 +171,7 @@ fn next_rung(rung: f64, left: f64) -> f64 {
 
 impl<const D: usize> Iteration for ActiveSet<'_, D>
 where
-    Own<D>: Lawful<D>,
+    Own<D>: Exact<D>,
 {
     fn advance(&mut self) {
         match self.trying {

@@ -18,8 +18,8 @@ pub(crate) struct Own<const D: usize> {
     last: f64,
 }
 
-/// Coulomb's law at a contact with so many unknowns.
-pub(crate) trait Lawful<const D: usize> {
+/// Exact solution of Coulomb's law at a contact with so many unknowns.
+pub(crate) trait Exact<const D: usize> {
     /// Returns its impulse (N·s), where its relative velocity without it is `q` (m/s).
     fn impulse(&mut self, q: &SVector<f64, D>) -> SVector<f64, D>;
 }
@@ -39,14 +39,14 @@ impl<const D: usize> Own<D> {
 }
 
 /// Without tangents: r = max(0, −q/w).
-impl Lawful<1> for Own<1> {
+impl Exact<1> for Own<1> {
     fn impulse(&mut self, q: &SVector<f64, 1>) -> SVector<f64, 1> {
         SVector::<f64, 1>::new(if q[0] < 0.0 { -q[0] / self.w[0] } else { 0.0 })
     }
 }
 
 /// One tangent: sliding has two sides.
-impl Lawful<2> for Own<2> {
+impl Exact<2> for Own<2> {
     fn impulse(&mut self, q: &Vector2<f64>) -> Vector2<f64> {
         if q.x >= 0.0 {
             return Vector2::zeros();
@@ -74,7 +74,7 @@ impl Lawful<2> for Own<2> {
 ///
 /// Of several such e the one with the least λ is taken, [`against`]; where that finds none, the directions are roots of a quartic.
 /// (O. Bonnefon, G. Daviet, Quartic formulation of Coulomb 3D frictional contact, INRIA technical report RT-0400 (2011).)
-impl Lawful<3> for Own<3> {
+impl Exact<3> for Own<3> {
     fn impulse(&mut self, q: &Vector3<f64>) -> Vector3<f64> {
         if q.x >= 0.0 {
             return Vector3::zeros();

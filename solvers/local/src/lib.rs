@@ -20,7 +20,7 @@ use active_set::ActiveSet;
 use cg::ConeRun;
 use contact::acceleration::Momentum;
 use contact::{Iteration, SetupError};
-use exact::{Lawful, Own};
+use exact::{Exact, Own};
 use gradient::Stored;
 use sweeps::Sweeps;
 
@@ -64,7 +64,7 @@ impl Method {
         problem: &'p LocalProblem,
     ) -> Result<Box<dyn Iteration + 'p>, SetupError>
     where
-        Own<D>: Lawful<D>,
+        Own<D>: Exact<D>,
     {
         Ok(match self {
             Self::Nsgs { subdomains, momentum } => Box::new(Sweeps::<D>::new(problem, subdomains, momentum)?),

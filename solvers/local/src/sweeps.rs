@@ -8,7 +8,7 @@
 //!
 //! With acceleration the iterations are extrapolated as those between grains ([`contact::acceleration`]), in the norm of the blocks `W_αα`.
 
-use crate::exact::{Lawful, Own};
+use crate::exact::{Exact, Own};
 use crate::{LocalProblem, graph};
 use contact::acceleration::{Lead, Momentum};
 use contact::{Iteration, SetupError, Vector, Work, threads};
@@ -97,7 +97,7 @@ impl<'p, const D: usize> Sweeps<'p, D> {
 
 impl<const D: usize> Iteration for Sweeps<'_, D>
 where
-    Own<D>: Lawful<D>,
+    Own<D>: Exact<D>,
 {
     fn advance(&mut self) {
         let contacts = self.r.len();

@@ -66,7 +66,7 @@ where
 
     /// Returns the multiply-adds of a factorisation, and the entries of its factors.
     pub(super) fn cost(&self) -> (u64, usize) {
-        (2 * self.structure.work(), 2 * self.structure.entries())
+        (2 * self.structure.work(), self.factors.entries())
     }
 
     /// Reports whether it solves with the matrix of these statuses and ε (–).
