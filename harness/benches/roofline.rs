@@ -120,7 +120,7 @@ where
     Cg: Solver<M>,
 {
     let mut methods = sweeps::<M>();
-    methods.push(("cg", Box::new(Cg { preconditioner: Preconditioner::None }), of_cg::<M>()));
+    methods.push(("cg", Box::new(Cg::default()), of_cg::<M>()));
     methods
 }
 

@@ -142,7 +142,7 @@ fn work_of_the_active_set_is_counted() {
         assert!(solves >= iterations / 2 && solves <= 4 * iterations, "{work:?}");
         assert!(work.delassus_products > iterations, "{work:?}");
     }
-    let cg: Box<dyn Solver> = Box::new(cg::Cg { preconditioner: cg::Preconditioner::Diagonal });
+    let cg: Box<dyn Solver> = Box::new(cg::Cg::preconditioned());
     let sweeps: Box<dyn Solver> = Box::new(Nsgs { acceleration: Acceleration::Nesterov, ..Nsgs::default() });
     for (begin, alone) in [(Start::Cg, cg), (Start::Sweeps, sweeps)] {
         let (mut run, mut alone) = (start(&method(begin), &problem), start(&*alone, &problem));

@@ -5,7 +5,7 @@ use active_set::ActiveSet;
 use analysis::Meter;
 use analysis::greatest_eigenvalue;
 use apgd::Apgd;
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Measure, Packing, Solver};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
@@ -80,7 +80,7 @@ fn assert_all_methods_agree_on(name: &str) {
         ("latin-dd 4x2", &latin(4, 2)),
         ("latin-dd 4x2, coarse", &LatinDd { coarse: true, ..latin(4, 2) }),
         ("latin-dd 8x8, balanced", &LatinDd { partition: Scheme::Balanced, ..latin(8, 8) }),
-        ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }),
+        ("cg, preconditioned", &Cg::preconditioned()),
         ("apgd", &Apgd::default()),
         ("apgd, preconditioned", &Apgd { preconditioner: apgd::Preconditioner::Diagonal, ..Apgd::default() }),
         ("mprgp", &Mprgp::default()),

@@ -73,7 +73,9 @@ fn conjugate_gradient_ends_in_n_iterations() {
             // Round-off in n iterations on a problem of condition n².
             let tolerance = 1e-15 * (n * n * n) as f64;
             let stop = Stop { on: Measure::NaturalMap, tolerance, max_iterations: 10 * n };
-            let outcome = solve(&Cg { preconditioner }, &frozen.problem, &r0, &stop, &mut |_| {}).unwrap();
+            let outcome =
+                solve(&Cg { preconditioner, ..Cg::default() }, &frozen.problem, &r0, &stop, &mut |_| {})
+                    .unwrap();
             assert_eq!(outcome.status, Status::Converged);
             assert_eq!(outcome.iterations, n, "{preconditioner:?}");
         }

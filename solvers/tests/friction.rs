@@ -4,7 +4,7 @@ use crate::problems::{first_problem_of, frozen, frozen_path};
 use active_set::ActiveSet;
 use analysis::Meter;
 use cases::Frozen;
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{
     Contact, Discs, Iteration, Measure, Packing, RoughContact, RoughDiscs, RoughMass, Solver, Truth,
 };
@@ -140,7 +140,7 @@ fn a_solution_that_nobody_knew_is_no_false_convergence() {
 #[test]
 fn methods_agree_on_the_law_where_they_converge() {
     let problem = with_friction(&rough("rough-991-mu08").problem, 0.05);
-    let diagonal = Cg { preconditioner: Preconditioner::Diagonal };
+    let diagonal = Cg::preconditioned();
     let grid = Grid::of(4, 2);
     let methods: [(&str, &dyn Solver<RoughDiscs>); 9] = [
         ("nsgs", &Nsgs::default()),
@@ -176,7 +176,7 @@ fn without_friction_each_iterate_is_that_of_discs() {
     let problem = roughened(&smooth, 0.0);
     let grid = Grid::of(2, 2);
     let dd = NsgsDd { subdomains: grid, ..NsgsDd::default() };
-    let diagonal = Cg { preconditioner: Preconditioner::Diagonal };
+    let diagonal = Cg::preconditioned();
     let jacobi = Jacobi { relaxation: 0.3, bounded: false, ..Jacobi::default() };
     let pairs: [(&str, &dyn Solver<Discs>, &dyn Solver<RoughDiscs>); 5] = [
         ("nsgs", &Nsgs::default(), &Nsgs::default()),
@@ -245,7 +245,7 @@ fn every_method() -> Vec<(&'static str, Box<dyn Solver<RoughDiscs>>)> {
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi { relaxation: 1.0, bounded: false, ..Jacobi::default() })),
         ("nsgs-dd", Box::new(NsgsDd::default())),
-        ("cg", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
+        ("cg", Box::new(Cg::preconditioned())),
         ("active-set", Box::new(ActiveSet::default())),
     ]
 }

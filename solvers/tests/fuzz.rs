@@ -32,7 +32,7 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
         ("jacobi, ω = 3", Box::new(Jacobi { relaxation: 3.0, ..Jacobi::default() })),
         ("jacobi, bounded", Box::new(Jacobi { relaxation: 0.95, bounded: true, ..Jacobi::default() })),
         ("cg", Box::new(Cg::default())),
-        ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
+        ("cg, preconditioned", Box::new(Cg::preconditioned())),
         ("gradient", Box::new(Gradient::default())),
         ("gradient, s = 9", Box::new(Gradient { step: 9.0 })),
         ("apgd", Box::new(Apgd::default())),

@@ -7,7 +7,7 @@ use crate::hazards::{chain, lattice, wedge};
 use crate::infeasible::all_methods;
 use crate::problems::first_problem;
 use cases::{Frozen, Start};
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Contact, Packing, Solver};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use nalgebra::Vector2;
@@ -90,7 +90,7 @@ fn no_method_denies_a_solution_that_is_beyond_double_precision() {
 #[test]
 fn the_first_time_steps_of_cases_are_certified() {
     let stop = Stop { tolerance: 1e-8, max_iterations: 3000, ..Stop::default() };
-    let solver = Cg { preconditioner: Preconditioner::Diagonal };
+    let solver = Cg::preconditioned();
     for case in [
         "triangular",
         "balloon",

@@ -176,7 +176,7 @@ pub(crate) fn methods() -> Vec<(&'static str, Box<dyn Solver>)> {
     let mprgp = |preconditioner, expansion| Box::new(Mprgp { preconditioner, expansion, ..Mprgp::default() });
     vec![
         ("cg", Box::new(Cg::default())),
-        ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
+        ("cg, preconditioned", Box::new(Cg::preconditioned())),
         ("apgd", apgd(apgd::Preconditioner::None)),
         ("apgd, preconditioned", apgd(apgd::Preconditioner::Diagonal)),
         ("mprgp", mprgp(Preconditioner::None, Expansion::ProjectedCg)),
@@ -235,7 +235,7 @@ proptest! {
         problem in prop_oneof![chain(), lattice(), wedge()],
     ) {
         for preconditioner in [Preconditioner::None, Preconditioner::Diagonal] {
-            let mut iteration = start(&Cg { preconditioner }, &problem);
+            let mut iteration = start(&Cg { preconditioner, ..Cg::default() }, &problem);
             for k in 0..100 {
                 iteration.advance();
                 let (q, round_off) = energy(&problem, &impulses(&*iteration, &problem));
@@ -258,7 +258,7 @@ fn conjugate_gradient_converges_where_contacts_depend_on_each_other() {
     for (case, time_step) in cases.into_iter().chain(arches) {
         let problem = first_problem(case, &[("scene.time_step_s", time_step)]).problem;
         for preconditioner in [Preconditioner::None, Preconditioner::Diagonal] {
-            let outcome = run(&Cg { preconditioner }, &problem, 1e-10, 200);
+            let outcome = run(&Cg { preconditioner, ..Cg::default() }, &problem, 1e-10, 200);
             assert_eq!(outcome.status, Status::Converged, "{case}, {time_step} s: {:?}", outcome.measures);
         }
     }

@@ -22,7 +22,7 @@ pub(crate) fn all_methods() -> [(&'static str, Box<dyn Solver>); 12] {
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi::default())),
         ("cg", Box::new(Cg::default())),
-        ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
+        ("cg, preconditioned", Box::new(Cg::preconditioned())),
         ("latin-dd", Box::new(LatinDd::default())),
         ("nsgs-dd", Box::new(NsgsDd::default())),
         ("apgd", Box::new(Apgd::default())),

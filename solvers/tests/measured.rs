@@ -4,7 +4,7 @@ use crate::fuzz::{methods, worst_problem};
 use crate::problems::{any_problem, first_problem, frozen, impulses, start};
 use analysis::Meter;
 use apgd::Apgd;
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Measure, Measures, Packing, Solver, Truth, greatest};
 use latin_dd::LatinDd;
 use nalgebra::Vector2;
@@ -181,7 +181,7 @@ fn runs_on_packings_end_at_the_same_iterate_whichever_are_measured() {
         ("nsgs", Box::new(Nsgs::default())),
         ("nsgs, ω = 1.93", Box::new(Nsgs { relaxation: 1.93, order: Order::Coloured, ..Nsgs::default() })),
         ("cg", Box::new(Cg::default())),
-        ("cg, preconditioned", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
+        ("cg, preconditioned", Box::new(Cg::preconditioned())),
         ("apgd", Box::new(Apgd::default())),
         ("nncg", Box::new(Nncg::default())),
         ("latin-dd", Box::new(LatinDd::default())),

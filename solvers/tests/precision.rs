@@ -1,6 +1,9 @@
-//! Sweeps in single and in mixed precision: that they are those of double precision but for round-off, and where they end.
+//! Sweeps and conjugate gradients in single and in mixed precision: that they are those of double precision but for round-off, and where
+//! they end.
 
 use crate::problems::{difference, packing};
+use analysis::Bounded;
+use cg::{Cg, Law};
 use contact::acceleration::Acceleration;
 use contact::precision::Precision;
 use contact::{Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Solver, Spheres};
@@ -14,7 +17,7 @@ fn settings(acceleration: Acceleration, precision: Precision) -> Nsgs {
 }
 
 /// A run to a natural map of 1e-10, and the least natural map on its way.
-fn run<M: Mechanics>(problem: &Packing<M>, settings: &Nsgs, max_iterations: u64) -> (Outcome, f64) {
+fn run<M: Mechanics>(problem: &Packing<M>, settings: &impl Solver<M>, max_iterations: u64) -> (Outcome, f64) {
     let stop = Stop { tolerance: 1e-10, max_iterations, ..Stop::default() };
     let mut least = f64::INFINITY;
     let outcome = solve(settings, problem, &vec![0.0; problem.impulse_count()], &stop, &mut |progress| {
@@ -24,7 +27,7 @@ fn run<M: Mechanics>(problem: &Packing<M>, settings: &Nsgs, max_iterations: u64)
 }
 
 /// Impulses after some iterations.
-fn after<M: Mechanics>(problem: &Packing<M>, settings: &Nsgs, iterations: u32) -> Vec<f64> {
+fn after<M: Mechanics>(problem: &Packing<M>, settings: &impl Solver<M>, iterations: u32) -> Vec<f64> {
     let mut r = vec![0.0; problem.impulse_count()];
     let mut run = settings.start(problem, &r).unwrap();
     (0..iterations).for_each(|_| run.advance());
@@ -99,4 +102,46 @@ fn mixed_precision_reaches_the_tolerance_of_double() {
     assert_reaches_the_tolerance_of_double::<Discs>(&packing("settled-60"), &BOTH);
     assert_reaches_the_tolerance_of_double::<Discs>(&packing("settled-250"), &BOTH[1..]);
     assert_reaches_the_tolerance_of_double::<Spheres>(&packing("spheres-250"), &BOTH);
+}
+
+fn gradient(precision: Precision) -> Cg {
+    Cg { precision, ..Cg::preconditioned() }
+}
+
+/// Some iterations, fewer than those after which u is made from r; with friction one, since a contact then slides as its first impulse
+/// points, round-off and all.
+fn assert_is_the_double_gradient<M: Bounded<Impulse: Law>>(problem: &Packing<M>, iterations: u32) {
+    let double = after(problem, &gradient(Precision::Double), iterations);
+    for precision in [Precision::Single, Precision::Mixed] {
+        let off = difference(&after(problem, &gradient(precision), iterations), &double);
+        println!("{}, {precision:?}: {off:e}", M::NAME);
+        assert!(off > 0.0 && off < 1e-4, "{}, {precision:?}: {off:e}", M::NAME);
+    }
+}
+
+#[test]
+fn conjugate_gradients_of_every_precision_are_the_same_but_for_round_off() {
+    assert_is_the_double_gradient::<Discs>(&packing("settled-250"), 15);
+    assert_is_the_double_gradient::<Spheres>(&packing("spheres-250"), 15);
+    assert_is_the_double_gradient::<RoughDiscs>(&packing("rough-250"), 1);
+    assert_is_the_double_gradient::<RoughSpheres>(&packing("rough-spheres-250"), 1);
+}
+
+/// In single precision u is never that of r, and ends where round-off of W r leaves it; in mixed precision it is made in double precision
+/// from time to time.
+fn assert_mixed_gradient_reaches_the_tolerance_of_double<M: Bounded<Impulse: Law>>(problem: &Packing<M>) {
+    let [double, mixed, single] = [Precision::Double, Precision::Mixed, Precision::Single]
+        .map(|precision| run(problem, &gradient(precision), 5_000));
+    println!("{} and {}; {:e}", double.0.iterations, mixed.0.iterations, single.1);
+    assert_eq!([double.0.status, mixed.0.status], [Status::Converged; 2], "{}", M::NAME);
+    assert!((mixed.0.iterations as f64) < 1.5 * double.0.iterations as f64, "{}", M::NAME);
+    assert_eq!(single.0.status, Status::IterationLimit, "{}", M::NAME);
+    assert!(single.1 > 1e-9 && single.1 < 1e-4, "{}: {:e}", M::NAME, single.1);
+}
+
+#[test]
+fn conjugate_gradients_in_mixed_precision_reach_the_tolerance_of_double() {
+    assert_mixed_gradient_reaches_the_tolerance_of_double::<Discs>(&packing("settled-60"));
+    assert_mixed_gradient_reaches_the_tolerance_of_double::<Discs>(&packing("settled-250"));
+    assert_mixed_gradient_reaches_the_tolerance_of_double::<Spheres>(&packing("spheres-250"));
 }

@@ -171,7 +171,7 @@ fn where_all_contacts_press_mprgp_is_the_conjugate_gradient_and_ends_in_n_iterat
             for expansion in EXPANSIONS {
                 let settings = Mprgp { preconditioner, expansion, ..Mprgp::default() };
                 let mut mprgp = settings.start(&problem, &r0).unwrap();
-                let mut cg = Cg { preconditioner }.start(&problem, &r0).unwrap();
+                let mut cg = Cg { preconditioner, ..Cg::default() }.start(&problem, &r0).unwrap();
                 for iteration in 1..=n {
                     mprgp.advance();
                     cg.advance();

@@ -3,7 +3,7 @@
 use crate::problems::{PACKINGS, any_contact, first_problem, frozen};
 use analysis::Meter;
 use analysis::proves_infeasible;
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Contact, Measure, Packing, Solver, Truth};
 use nalgebra::{DMatrix, DVector, Vector2};
 use nsgs::Nsgs;
@@ -94,7 +94,7 @@ fn methods_run_to_round_off_reach_the_velocity_of_the_reference() {
         let truth = Truth::new(&problem, &certified(&problem).0);
         let methods: [(&str, &dyn Solver, f64); 3] = [
             ("cg", &Cg::default(), 1e-13),
-            ("cg, preconditioned", &Cg { preconditioner: Preconditioner::Diagonal }, 1e-13),
+            ("cg, preconditioned", &Cg::preconditioned(), 1e-13),
             ("nsgs", &Nsgs::default(), 1e-12),
         ];
         // Non-linear Gauss-Seidel needs more than 200,000 sweeps at rest.

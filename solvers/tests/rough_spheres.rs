@@ -56,7 +56,7 @@ where
     vec![
         ("nsgs", Box::new(Nsgs::default())),
         ("jacobi", Box::new(Jacobi { relaxation: 0.3, ..Jacobi::default() })),
-        ("cg", Box::new(Cg { preconditioner: Preconditioner::Diagonal })),
+        ("cg", Box::new(Cg::preconditioned())),
         ("nsgs-dd", Box::new(NsgsDd { subdomains: grid, ..NsgsDd::default() })),
         ("latin-dd", Box::new(LatinDd { subdomains: grid, kappa_l: Some(3.0), ..LatinDd::default() })),
     ]
@@ -130,7 +130,8 @@ fn conjugate_gradients_solve_spheres_whose_walls_begin_to_move() {
     for preconditioner in [Preconditioner::None, Preconditioner::Diagonal] {
         let stop = Stop { tolerance: 1e-8, max_iterations: 5000, ..Stop::default() };
         let none = vec![0.0; problem.impulse_count()];
-        let outcome = solve(&Cg { preconditioner }, &problem, &none, &stop, &mut |_| {}).unwrap();
+        let outcome =
+            solve(&Cg { preconditioner, ..Cg::default() }, &problem, &none, &stop, &mut |_| {}).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{preconditioner:?}");
     }
 }

@@ -5,7 +5,7 @@ use active_set::ActiveSet;
 use analysis::Meter;
 use apgd::Apgd;
 use cases::{Case, March, Marched};
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Contact, Discs, Iteration, Measure, Packing, Solver, Spheres, Truth, Vector, Work};
 use gradient::Gradient;
 use jacobi::Jacobi;
@@ -41,7 +41,7 @@ fn embedded(problem: &Packing) -> Packing<Spheres> {
 
 /// The contact problem of a case at a time step, marched to by conjugate gradients.
 fn sphere_problem(case: &str, overrides: &[(&str, &str)], time_step: u64) -> Packing<Spheres> {
-    let cg = Cg { preconditioner: Preconditioner::Diagonal };
+    let cg = Cg::preconditioned();
     marched_to(case, overrides, time_step, &cg, &Stop::default())
 }
 
@@ -145,7 +145,7 @@ fn methods() -> Vec<Both> {
         both("nsgs-dd gs", NsgsDd { subdomains: grid, exchange: Exchange::GaussSeidel, ..NsgsDd::default() }),
         both("latin-dd", LatinDd { subdomains: grid, ..LatinDd::default() }),
         both("latin-dd coarse", LatinDd { subdomains: grid, coarse: true, ..LatinDd::default() }),
-        both("cg", Cg { preconditioner: Preconditioner::Diagonal }),
+        both("cg", Cg::preconditioned()),
         both("gradient", Gradient::default()),
         both("apgd", Apgd::default()),
         both("mprgp", Mprgp::default()),
@@ -218,7 +218,7 @@ fn active_set_and_interior_point_agree_in_space() {
             ("nsgs-dd", &NsgsDd { subdomains: cubes, ..NsgsDd::default() }),
             ("latin-dd", &LatinDd { subdomains: cubes, ..LatinDd::default() }),
             ("latin-dd coarse", &LatinDd { subdomains: cubes, coarse: true, ..LatinDd::default() }),
-            ("cg", &Cg { preconditioner: Preconditioner::Diagonal }),
+            ("cg", &Cg::preconditioned()),
         ];
         for (name, method) in runs {
             let outcome = solve(method, &problem, &r0, &stop, &mut |_| {}).unwrap();

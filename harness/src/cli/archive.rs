@@ -492,6 +492,8 @@ fn made_again(root: &Root, record: &Record) -> Result<Again<Record>> {
 /// Makes a simulation again; `None` if the user stopped it.
 fn simulated_again(root: &Root, study: &ThroughTime, simulated: &Simulated) -> Result<Again<Simulated>> {
     let one = &simulated.simulation;
+    // A setting that came later has its default.
+    let settings = Method::new(&one.method, one.settings.clone())?.settings;
     let same = |task: &&Task<Through>| {
         let (what, method) = (&task.what, &task.variant.method);
         let (rule, stop) = (&what.rule, &what.rule.stop);
@@ -502,7 +504,7 @@ fn simulated_again(root: &Root, study: &ThroughTime, simulated: &Simulated) -> R
             && what.scene.hash == one.scene_hash
             && what.scene.case.scene.time_step_s == one.time_step_s
             && method.name == one.method
-            && method.settings == one.settings
+            && method.settings == settings
             && is_same_rule
     };
     let tasks = study.tasks();

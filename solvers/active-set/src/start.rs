@@ -1,6 +1,6 @@
 //! The start of the active set: sweeps or conjugate gradients, how near they are to come, and how long they may take.
 
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::acceleration::Acceleration;
 use contact::{Iteration, Mechanics, Packing, SetupError, Smooth, Solver};
 use nsgs::Nsgs;
@@ -66,14 +66,14 @@ impl Start {
 pub(crate) enum Begun<'p, const D: usize> {
     Sweeps(Box<dyn Iteration + 'p>),
     /// Its residual is known after each iteration.
-    Gradient(Box<cg::Run<D>>),
+    Gradient(Box<cg::GrainRun<Smooth<D>>>),
 }
 
 impl<'p, const D: usize> Begun<'p, D> {
     /// Begins the method of `start` on a `problem`, from impulses (N·s).
     pub(crate) fn new(start: Start, problem: &'p Packing<Smooth<D>>, r0: &[f64]) -> Result<Self, SetupError> {
         if start == Start::Cg {
-            let run = Cg { preconditioner: Preconditioner::Diagonal }.run(problem, r0)?;
+            let run = Cg::preconditioned().run(problem, r0)?;
             return Ok(Self::Gradient(Box::new(run)));
         }
         accelerated(problem, r0).map(Self::Sweeps)

@@ -3,6 +3,7 @@
 
 use contact::{
     Contact, ContactProblem, Frictional, Mechanics, Place, Rough, RoughDiscs, RoughSpheres, Smooth, Touch,
+    greatest,
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
@@ -59,11 +60,20 @@ pub fn delassus_bound<const D: usize>(problem: &ContactProblem<Smooth<D>>) -> f6
 pub trait Bounded: Mechanics {
     /// Λ ≥ λmax(W_D⁻¹ W) (–).
     fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64;
+
+    /// Λ ≥ λmax(W) (1/kg).
+    fn delassus_bound(problem: &ContactProblem<Self>) -> f64 {
+        Self::scaled_delassus_bound(problem) * greatest(problem.delassus_diagonal().into_iter())
+    }
 }
 
 impl<const D: usize> Bounded for Smooth<D> {
     fn scaled_delassus_bound(problem: &ContactProblem<Self>) -> f64 {
         scaled_delassus_bound(problem)
+    }
+
+    fn delassus_bound(problem: &ContactProblem<Self>) -> f64 {
+        delassus_bound(problem)
     }
 }
 

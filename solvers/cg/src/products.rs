@@ -1,56 +1,105 @@
-//! Products with W that the conjugate gradient with friction needs: of grains, or of a W that is stored.
+//! Products with W that the conjugate gradient needs: of grains, or of a W that is stored.
 
-use crate::State;
-use contact::Mechanics;
-use nalgebra::SVector;
-use product::Product;
+use crate::{Law, State};
+use contact::{Mechanics, Vector};
+use product::{At, Product};
 
 /// Products with W, and a [`State`] at each contact, in units that make a cone of a cone: one for its normal, one for its tangents.
-pub trait Products<const D: usize> {
-    /// First half of the product W p: `p` gives the p of each contact.
-    fn push(&mut self, p: impl Fn(&mut State<D>) -> SVector<f64, D> + Sync);
+pub trait Products<I: Law> {
+    /// First half of the product W p: `p` gives the p of each contact, and the terms of sums over the contacts.
+    fn push_by<const N: usize>(&mut self, p: impl At<State<I>, (), (I, [f64; N])>) -> [f64; N];
 
-    /// Second half: `take` is given (W p)_α of each contact, and gives the terms of sums over the contacts.
-    fn pull_sums<const N: usize>(
-        &mut self,
-        take: impl Fn(&mut State<D>, SVector<f64, D>) -> [f64; N] + Sync,
-    ) -> [f64; N];
+    /// First half of the product W p: `p` gives the p of each contact.
+    fn push(&mut self, p: impl Fn(&mut State<I>) -> I + Sync) {
+        let [] = self.push_by(move |at: &mut State<I>, ()| (p(at), []));
+    }
 
     /// pᵗ W p of the p last pushed, without the second half.
     fn curvature(&mut self) -> f64;
 
-    /// The sums of several `terms` over the contacts.
-    fn sums_of<const N: usize>(&mut self, terms: impl Fn(&State<D>) -> [f64; N] + Sync) -> [f64; N];
+    /// Second half: `take` is given (W p)_α of each contact, and gives the terms of sums over the contacts.
+    fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut State<I>, I) -> [f64; N] + Sync) -> [f64; N];
 
-    /// Changes each contact.
-    fn each(&mut self, change: impl Fn(&mut State<D>) + Sync);
+    /// Second half, after `curvature`, and the first half of W d: `take` gives the d of each contact, unless it is 0, and the terms of sums.
+    fn pull_and_push<const N: usize>(
+        &mut self,
+        take: impl At<State<I>, I, (Option<I>, [f64; N])>,
+    ) -> [f64; N];
+
+    /// Second half of W d: u ← u − W d. Returns wᵗ W p, which was the first sum of the pass before, as if d were 0.
+    fn correct(&mut self) -> f64 {
+        let [product] = self.pull_sums(|at, of_d| {
+            at.u = at.u - of_d;
+            [at.product()]
+        });
+        product
+    }
+
+    /// Makes the next products in double precision, or no longer, where precision is mixed.
+    fn set_exact(&mut self, _is_exact: bool) {}
+
+    /// The sum of a `term` over the contacts.
+    fn sum_of(&self, term: impl Fn(&State<I>) -> f64) -> f64;
+
+    /// The least value at any contact; infinite without contact.
+    fn least_of(&mut self, value: impl Fn(&State<I>) -> f64 + Sync) -> f64;
 
     /// Puts the impulses into the problem's order (N·s).
     fn impulses(&self, r: &mut [f64]);
 }
 
-impl<M: Mechanics<Impulse = SVector<f64, D>>, const D: usize> Products<D> for Product<State<D>, M> {
-    fn push(&mut self, p: impl Fn(&mut State<D>) -> SVector<f64, D> + Sync) {
-        self.push(p);
-    }
-
-    fn pull_sums<const N: usize>(
+impl<M: Mechanics<Impulse: Law>> Products<M::Impulse> for Product<State<M::Impulse>, M> {
+    fn push_by<const N: usize>(
         &mut self,
-        take: impl Fn(&mut State<D>, SVector<f64, D>) -> [f64; N] + Sync,
+        p: impl At<State<M::Impulse>, (), (M::Impulse, [f64; N])>,
     ) -> [f64; N] {
-        self.pull_sums(take)
+        self.push_by(p)
     }
 
     fn curvature(&mut self) -> f64 {
         self.curvature()
     }
 
-    fn sums_of<const N: usize>(&mut self, terms: impl Fn(&State<D>) -> [f64; N] + Sync) -> [f64; N] {
-        self.sums_of(terms)
+    fn pull_sums<const N: usize>(
+        &mut self,
+        take: impl Fn(&mut State<M::Impulse>, M::Impulse) -> [f64; N] + Sync,
+    ) -> [f64; N] {
+        self.pull_sums(take)
     }
 
-    fn each(&mut self, change: impl Fn(&mut State<D>) + Sync) {
-        self.each(change);
+    fn pull_and_push<const N: usize>(
+        &mut self,
+        take: impl At<State<M::Impulse>, M::Impulse, (Option<M::Impulse>, [f64; N])>,
+    ) -> [f64; N] {
+        self.pull_and_push(take)
+    }
+
+    fn correct(&mut self) -> f64 {
+        if M::Impulse::MINIMISES {
+            self.pull_around(|at, of_d| {
+                let before = M::Impulse::w(at);
+                at.u = at.u - of_d;
+                (M::Impulse::w(at) - before).dot_product(at.of_p)
+            })
+        } else {
+            let [product] = self.pull_sums(|at, of_d| {
+                at.u = at.u - of_d;
+                [at.product()]
+            });
+            product
+        }
+    }
+
+    fn set_exact(&mut self, is_exact: bool) {
+        self.set_exact(is_exact);
+    }
+
+    fn sum_of(&self, term: impl Fn(&State<M::Impulse>) -> f64) -> f64 {
+        self.sum_apart(term)
+    }
+
+    fn least_of(&mut self, value: impl Fn(&State<M::Impulse>) -> f64 + Sync) -> f64 {
+        self.least_of(value)
     }
 
     fn impulses(&self, r: &mut [f64]) {

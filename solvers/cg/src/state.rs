@@ -1,172 +1,120 @@
-//! A contact of the conjugate gradient with friction: its status, and what the law makes of a step and of a gradient.
+//! A contact of the conjugate gradient: its part of the iterate and of the direction, and what the law makes of a step and of a
+//! gradient.
 
-use contact::law::tangential;
-use nalgebra::SVector;
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
 
-/// Status of the impulse of a contact.
-#[derive(Clone, Copy, PartialEq)]
-enum Status<const D: usize> {
-    /// No impulse.
-    Open,
-    /// Inside the cone.
-    Stick,
-    /// On its boundary, out of which this unit vector along the tangents points.
-    Slide(SVector<f64, D>),
-}
+mod coulomb;
+mod signorini;
+
+use contact::Vector;
+use product::At;
 
 /// A contact: all in the units of the product, the normal part first, then one tangential part in the plane and two in space.
-pub struct State<const D: usize> {
-    pub(crate) b: SVector<f64, D>,
-    /// μ.
-    friction: f64,
-    /// `w_t`, of `W_αα`.
-    weight: f64,
-    pub(crate) r: SVector<f64, D>,
+pub struct State<I: Law> {
+    pub(crate) b: I,
+    pub(crate) r: I,
     /// u = −(W r + b).
-    pub(crate) u: SVector<f64, D>,
+    pub(crate) u: I,
     /// The direction.
-    pub(crate) p: SVector<f64, D>,
+    pub(crate) p: I,
     /// (W p)_α.
-    pub(crate) of_p: SVector<f64, D>,
-    /// Correction that the law adds to r + α p.
-    pub(crate) d: SVector<f64, D>,
-    status: Status<D>,
-    /// True where p leads into the cone, at a contact that slides.
-    enters: bool,
+    pub(crate) of_p: I,
+    pub(crate) status: I::Status,
 }
 
-/// The vector of this size along the normal.
-#[inline]
-fn normal<const D: usize>(size: f64) -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| if axis == 0 { size } else { 0.0 })
+/// A law of contact, by the impulse that it admits: how it projects a step, and which parts of a gradient it blocks.
+pub trait Law: Vector {
+    /// Numbers of the law at a contact, and the status of its impulse.
+    type Status: Copy + Send + Sync;
+
+    /// True where the law is the optimality of the least q(r): no step makes q greater than it was at first. Few contacts then change status
+    /// in a step.
+    const MINIMISES: bool;
+
+    /// Returns the status of an impulse r in the `unit` of its contact, with μ and the diagonal `W_αα` of the problem.
+    fn status(r: Self, friction: f64, diagonal: Self, unit: Self) -> Self::Status;
+
+    /// r ← r + α p + d, admissible, where u is the gradient before the step. Returns d, unless it is 0.
+    fn step(at: &mut State<Self>, length: f64) -> Option<Self>;
+
+    /// Returns w: the part of u that the law does not block.
+    fn w(at: &State<Self>) -> Self;
+
+    /// Returns w + β z, with z the part of p that the law does not block.
+    fn direction(at: &State<Self>, beta: f64) -> Self;
+
+    /// Returns |r − r⁺|² where `W_αα` is 1.
+    fn left(at: &State<Self>) -> f64;
+
+    /// Returns the squared size of the terms of u, where the law does not block it; 0 where nothing is minimised.
+    fn squared_size(_: &State<Self>) -> f64 {
+        0.0
+    }
+
+    /// Returns the longest step along p for which d = 0; infinite where nothing is minimised.
+    fn reach(_: &State<Self>) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Gives r its value before the step; does nothing where nothing is minimised.
+    fn withdraw(_: &mut State<Self>) {}
 }
 
-/// The unit vector along the first tangent.
-#[inline]
-fn tangent<const D: usize>() -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| f64::from(axis == 1))
-}
-
-/// Returns s without its part that points `out` of the cone.
-#[inline]
-fn without<const D: usize>(s: SVector<f64, D>, out: &SVector<f64, D>) -> SVector<f64, D> {
-    s - out * f64::max(0.0, out.dot(&s))
-}
-
-impl<const D: usize> State<D> {
-    /// A contact with the impulse r, and `weight` `w_t` of its tangents.
-    pub fn new(b: SVector<f64, D>, r: SVector<f64, D>, friction: f64, weight: f64) -> Self {
-        let none = SVector::zeros();
-        let open = Status::Open;
-        let mut state = Self {
-            b,
-            friction,
-            weight,
-            r,
-            u: none,
-            p: none,
-            of_p: none,
-            d: none,
-            status: open,
-            enters: false,
-        };
-        (_, state.status) = state.admitted(r, false, tangent());
-        state
+impl<I: Law> State<I> {
+    /// A contact of the problem, with its b (m/s), r (N·s), μ (–), `diagonal` `W_αα` (1/kg) and `unit` (kg^½, or 1).
+    pub fn new(b: I, r: I, friction: f64, diagonal: I, unit: I) -> Self {
+        let r = r.with(unit, |r, unit| r * unit);
+        let status = I::status(r, friction, diagonal, unit);
+        Self { b: b.with(unit, |b, unit| b / unit), r, u: I::ZERO, p: I::ZERO, of_p: I::ZERO, status }
     }
 
     /// r.
-    pub fn impulse(&self) -> SVector<f64, D> {
+    pub fn impulse(&self) -> I {
         self.r
     }
 
-    /// The impulse that the law admits in the place of `moved`, and its status; a contact that `stays` on the boundary of its cone
-    /// slides, out of it by `before` where there is no tangential part to tell.
+    /// u = −(W r + b), from (W r)_α.
     #[inline]
-    fn admitted(
-        &self,
-        moved: SVector<f64, D>,
-        stays: bool,
-        before: SVector<f64, D>,
-    ) -> (SVector<f64, D>, Status<D>) {
-        let (along, size) = tangential(moved);
-        let bound = self.friction * moved[0];
-        if moved[0] <= 0.0 {
-            (SVector::zeros(), Status::Open)
-        } else if stays || size >= bound {
-            let out = if size > 0.0 { along / size } else { before };
-            (normal(moved[0]) + out * bound, Status::Slide(out))
-        } else {
-            (moved, Status::Stick)
-        }
+    pub(crate) fn renew(&mut self, of_r: I) {
+        self.u = -(of_r + self.b);
     }
 
-    /// r ← r + α p + d, admissible. A contact that slid, and that no direction moves into its cone, stays on the boundary: else it
-    /// would come to lie inside, only because its normal impulse grew, and its status would be none that the gradient gave it.
-    pub(crate) fn step(&mut self, length: f64) {
-        let moved = self.r + length * self.p;
-        let (r, status) = match self.status {
-            Status::Slide(out) => self.admitted(moved, !self.enters, out),
-            _ => self.admitted(moved, false, tangent()),
+    /// The term of wᵗ W p.
+    #[inline]
+    pub(crate) fn product(&self) -> f64 {
+        I::w(self).dot_product(self.of_p)
+    }
+}
+
+/// A step along p, of the length α: r ← r + α p + d, and u as if d were 0. Gives d, unless it is 0, and, where q is minimised, the terms of
+/// wᵗ W p, of −uᵗ d and of the number of d.
+pub(crate) struct Step(pub(crate) f64);
+
+impl<I: Law> At<State<I>, I, (Option<I>, [f64; 3])> for Step {
+    #[inline(always)]
+    fn at(&self, at: &mut State<I>, of_p: I) -> (Option<I>, [f64; 3]) {
+        let d = I::step(at, self.0);
+        at.of_p = of_p;
+        at.u = at.u - of_p * self.0;
+        let terms = match d {
+            _ if !I::MINIMISES => [0.0; 3],
+            Some(d) => [at.product(), -at.u.dot_product(d), 1.0],
+            None => [at.product(), 0.0, 0.0],
         };
-        (self.r, self.d, self.status) = (r, r - moved, status);
+        (d, terms)
     }
+}
 
-    /// |r − r⁺|² where `W_αα` is 1.
-    pub(crate) fn left(&self) -> f64 {
-        let of_normal = if -self.u[0] < self.r[0] { -self.u[0] } else { self.r[0] };
-        let (moved, size) = tangential(self.r + self.u);
-        let bound = self.friction * self.r[0];
-        let clipped = if size > bound { moved * (bound / size) } else { moved };
-        of_normal * of_normal + (tangential(self.r).0 - clipped).norm_squared()
-    }
+/// The next direction p = w + β z. Gives p, and the terms of uᵗ p and pᵗ p.
+pub(crate) struct Turn(pub(crate) f64);
 
-    /// Reports whether a part of u leads into the cone of a contact that slides. Without friction there is no way in.
-    #[inline]
-    fn is_pulled_in(&self, out: &SVector<f64, D>) -> bool {
-        self.friction > 0.0 && out.dot(&self.u) < 0.0
-    }
-
-    /// w: the part of u that the law does not block.
-    pub(crate) fn w(&self) -> SVector<f64, D> {
-        match &self.status {
-            Status::Open => normal(f64::max(0.0, self.u[0])),
-            Status::Stick => self.u,
-            // Without friction there is no tangential unknown.
-            Status::Slide(_) if self.friction == 0.0 => normal(self.u[0]),
-            Status::Slide(out) => without(self.u, out) - self.around(out),
-        }
-    }
-
-    /// Returns the part of u around the circle of the cone that a sliding contact does not take; 0 in the plane.
-    ///
-    /// The circle has the radius ρ = μ `r_n`. With λ the part of u that points out of it, the projection of r + u/`w_t` turns by
-    /// ρ/(ρ + λ/`w_t`) of the part along it, and that is what w has: the reduced gradient of Bouchala, Dostál and Vodstrčil (J.
-    /// Optim. Theory Appl. 157 (2013) 132-140). With all of it, a contact that slides fast under a small `r_n` turns through any
-    /// angle at each step.
-    #[inline]
-    fn around(&self, out: &SVector<f64, D>) -> SVector<f64, D> {
-        let speed = out.dot(&self.u);
-        if D == 2 || speed <= 0.0 {
-            return SVector::zeros();
-        }
-        let along = tangential(self.u).0 - out * speed;
-        along * (speed / (speed + self.weight * self.friction * self.r[0]))
-    }
-
-    /// z: the part of p that the law does not block.
-    fn z(&self) -> SVector<f64, D> {
-        match &self.status {
-            Status::Open if self.u[0] <= 0.0 => SVector::zeros(),
-            Status::Stick => self.p,
-            Status::Slide(out) if self.is_pulled_in(out) => without(self.p, out),
-            Status::Slide(out) if self.friction > 0.0 => self.p - out * out.dot(&self.p),
-            Status::Open | Status::Slide(_) => normal(self.p[0]),
-        }
-    }
-
-    /// p = w + β z.
-    pub(crate) fn turn(&mut self, beta: f64) {
-        self.p = self.w() + beta * self.z();
-        self.enters = matches!(&self.status, Status::Slide(out) if self.is_pulled_in(out));
+impl<I: Law> At<State<I>, (), (I, [f64; 2])> for Turn {
+    #[inline(always)]
+    fn at(&self, at: &mut State<I>, (): ()) -> (I, [f64; 2]) {
+        at.p = I::direction(at, self.0);
+        (at.p, [at.u.dot_product(at.p), at.p.dot_product(at.p)])
     }
 }

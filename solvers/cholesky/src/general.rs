@@ -55,6 +55,16 @@ impl General {
         Ok(Self { factors, row, column })
     }
 
+    /// Returns the number of multiply-adds that made the factors.
+    pub fn multiply_adds(&self) -> u64 {
+        let Nmrc { l, u, .. } = &self.factors;
+        let mut beside = vec![0_u64; l.n];
+        u.i.iter().take(u.p[u.n].cast_unsigned()).for_each(|row| beside[*row] += 1);
+        let below = l.p.windows(2).map(|ends| (ends[1] - ends[0]).cast_unsigned() as u64);
+        // Those of the diagonal are no factors of an update.
+        below.zip(beside).map(|(below, beside)| below.saturating_sub(1) * beside.saturating_sub(1)).sum()
+    }
+
     /// x ← A⁻¹ x.
     pub fn solve(&self, x: &mut [f64]) {
         let mut y = vec![0.0; x.len()];

@@ -313,3 +313,16 @@ fn a_singular_matrix_has_no_factors() {
         assert!(General::new(size, entries).is_err(), "{size} rows");
     }
 }
+
+#[test]
+fn multiply_adds_are_those_of_elimination() {
+    let count = |size: usize, is_there: fn(usize, usize) -> bool| {
+        let places = (0..size).flat_map(|i| (0..size).map(move |j| (i, j))).filter(|(i, j)| is_there(*i, *j));
+        let entries = places.map(|(i, j)| (i, j, if i == j { 4.0 } else { 1.0 / (1 + i + j) as f64 }));
+        General::new(size, entries.collect()).unwrap().multiply_adds()
+    };
+    // Of a full matrix Σ k², of three diagonals one for each pivot but the last.
+    assert_eq!(count(7, |_, _| true), (0..7).map(|k| k * k).sum::<u64>());
+    assert_eq!(count(7, |i, j| i.abs_diff(j) < 2), 6);
+    assert_eq!(count(7, |i, j| i == j), 0);
+}

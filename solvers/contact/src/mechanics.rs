@@ -9,7 +9,7 @@ use crate::lanes::Number;
 use crate::law::Lawful;
 use crate::scaled::unscale;
 use crate::sweep::{Row, TOGETHER, look_then_push};
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 use nalgebra::{ArrayStorage, SVector};
 use pulp::Simd;
 use std::fmt::Debug;
@@ -371,6 +371,13 @@ pub trait Visited: Copy + Debug + PartialEq + Send + Sync {
     fn relative(&self, y: &[Self::Velocity]) -> Self::Impulse {
         let [i, j] = self.places();
         self.between([y[i as usize], y[j as usize]])
+    }
+
+    /// Returns what one grain adds to (H̃ᵗ y)_α, from its `place` in y and its y.
+    #[inline]
+    fn relative_of(&self, place: u32, y: Self::Velocity) -> Self::Impulse {
+        let none = Self::Velocity::zeroed();
+        self.between(if place == self.places()[0] { [y, none] } else { [none, y] })
     }
 
     /// y ← y + h̃_α s.

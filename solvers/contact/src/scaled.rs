@@ -39,13 +39,6 @@ impl<const D: usize> ScaledContact<D> {
     pub fn at_ends(&self) -> (SVector<f64, D>, SVector<f64, D>) {
         (self.normal, -self.ratio * self.normal)
     }
-
-    /// Returns the contribution to (H̃ᵗ y)_α of a `change` of one grain of the contact, in the place `grain` of y.
-    #[inline]
-    pub fn relative_of(&self, grain: u32, change: &SVector<f64, D>) -> f64 {
-        let along = self.normal.dot(change);
-        if grain == self.candidate { along } else { -self.ratio * along }
-    }
 }
 
 impl<const D: usize, N: Number> Visited for ScaledContact<D, N> {
@@ -60,6 +53,12 @@ impl<const D: usize, N: Number> Visited for ScaledContact<D, N> {
     #[inline]
     fn between(&self, [i, j]: [SVector<N, D>; 2]) -> N {
         self.normal.dot(&(i - j * self.ratio))
+    }
+
+    #[inline]
+    fn relative_of(&self, place: u32, y: SVector<N, D>) -> N {
+        let along = self.normal.dot(&y);
+        if place == self.candidate { along } else { -self.ratio * along }
     }
 
     #[inline]

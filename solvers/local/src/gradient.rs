@@ -4,32 +4,32 @@ use crate::LocalProblem;
 use cg::{Products, State};
 use contact::Vector;
 use nalgebra::SVector;
+use product::{At, sum_apart};
 
 /// The contacts of a problem in units of their own: √`w_n` r and v/√`w_n` in the place of r and v, likewise along the tangents; or in 1.
 pub(crate) struct Stored<'p, const D: usize> {
     problem: &'p LocalProblem,
     unit: Vec<SVector<f64, D>>,
-    states: Vec<State<D>>,
-    /// p in the units, and the impulses that it stands for (N·s).
+    states: Vec<State<SVector<f64, D>>>,
+    /// p in the units, the impulses that it stands for (N·s), and W p in the units, where it has been made.
     p: Vec<SVector<f64, D>>,
     impulses: Vec<SVector<f64, D>>,
+    of_p: Vec<SVector<f64, D>>,
 }
 
 impl<'p, const D: usize> Stored<'p, D> {
     /// With r = 0.
     pub(crate) fn new(problem: &'p LocalProblem, scaled: bool) -> Self {
-        let one = SVector::repeat(1.0);
+        let (one, none) = (SVector::repeat(1.0), SVector::zeros());
         let unit = |contact| if scaled { problem.weight::<D>(contact).map(f64::sqrt) } else { one };
         let unit: Vec<SVector<f64, D>> = (0..problem.contact_count()).map(unit).collect();
         let state = |(contact, unit): (usize, &SVector<f64, D>)| {
-            let q = SVector::<f64, D>::at(problem.q(), contact);
-            let friction = problem.friction()[contact] * (unit[D - 1] / unit[0]);
-            let weight = problem.weight::<D>(contact)[D - 1] / (unit[D - 1] * unit[D - 1]);
-            State::new(q.component_div(unit), SVector::zeros(), friction, weight)
+            let (q, weight) = (SVector::at(problem.q(), contact), problem.weight(contact));
+            State::new(q, none, problem.friction()[contact], weight, *unit)
         };
-        let none = vec![SVector::zeros(); unit.len()];
         let states = unit.iter().enumerate().map(state).collect();
-        Self { problem, states, p: none.clone(), impulses: none, unit }
+        let none = vec![none; unit.len()];
+        Self { problem, states, p: none.clone(), impulses: none.clone(), of_p: none, unit }
     }
 
     /// Λ ≥ λmax in these units: Gershgorin's circles.
@@ -47,40 +47,64 @@ impl<'p, const D: usize> Stored<'p, D> {
         (0..self.unit.len()).map(row).fold(0.0, f64::max)
     }
 
-    fn of_p(&self, contact: usize) -> SVector<f64, D> {
-        let of_p = self.problem.product_at(contact, |other| self.impulses[other]);
-        of_p.component_div(&self.unit[contact])
+    /// Makes W p.
+    fn multiply(&mut self) {
+        for ((impulse, p), unit) in self.impulses.iter_mut().zip(&self.p).zip(&self.unit) {
+            *impulse = p.component_div(unit);
+        }
+        for (contact, (of_p, unit)) in self.of_p.iter_mut().zip(&self.unit).enumerate() {
+            *of_p = self.problem.product_at(contact, |other| self.impulses[other]).component_div(unit);
+        }
     }
 }
 
-impl<const D: usize> Products<D> for Stored<'_, D> {
-    fn push(&mut self, p: impl Fn(&mut State<D>) -> SVector<f64, D> + Sync) {
-        for (k, state) in self.states.iter_mut().enumerate() {
-            self.p[k] = p(state);
-            self.impulses[k] = self.p[k].component_div(&self.unit[k]);
+impl<const D: usize> Products<SVector<f64, D>> for Stored<'_, D> {
+    fn push_by<const N: usize>(
+        &mut self,
+        p: impl At<State<SVector<f64, D>>, (), (SVector<f64, D>, [f64; N])>,
+    ) -> [f64; N] {
+        let mut sums = [0.0; N];
+        for (at, own) in self.states.iter_mut().zip(&mut self.p) {
+            let terms;
+            (*own, terms) = p.at(at, ());
+            sums = add(sums, terms);
         }
+        self.multiply();
+        sums
+    }
+
+    fn curvature(&mut self) -> f64 {
+        self.p.iter().zip(&self.of_p).map(|(p, of_p)| p.dot(of_p)).sum()
     }
 
     fn pull_sums<const N: usize>(
         &mut self,
-        take: impl Fn(&mut State<D>, SVector<f64, D>) -> [f64; N] + Sync,
+        take: impl Fn(&mut State<SVector<f64, D>>, SVector<f64, D>) -> [f64; N] + Sync,
     ) -> [f64; N] {
-        (0..self.unit.len()).fold([0.0; N], |sums, contact| {
-            let of_p = self.of_p(contact);
-            add(sums, take(&mut self.states[contact], of_p))
-        })
+        let contacts = self.states.iter_mut().zip(&self.of_p);
+        contacts.fold([0.0; N], |sums, (at, of_p)| add(sums, take(at, *of_p)))
     }
 
-    fn curvature(&mut self) -> f64 {
-        (0..self.unit.len()).map(|contact| self.p[contact].dot(&self.of_p(contact))).sum()
+    fn pull_and_push<const N: usize>(
+        &mut self,
+        take: impl At<State<SVector<f64, D>>, SVector<f64, D>, (Option<SVector<f64, D>>, [f64; N])>,
+    ) -> [f64; N] {
+        let mut sums = [0.0; N];
+        for ((at, own), of_p) in self.states.iter_mut().zip(&mut self.p).zip(&self.of_p) {
+            let (p, terms) = take.at(at, *of_p);
+            *own = p.unwrap_or_else(SVector::zeros);
+            sums = add(sums, terms);
+        }
+        self.multiply();
+        sums
     }
 
-    fn sums_of<const N: usize>(&mut self, terms: impl Fn(&State<D>) -> [f64; N] + Sync) -> [f64; N] {
-        self.states.iter().map(terms).fold([0.0; N], add)
+    fn least_of(&mut self, value: impl Fn(&State<SVector<f64, D>>) -> f64 + Sync) -> f64 {
+        self.states.iter().map(value).fold(f64::INFINITY, f64::min)
     }
 
-    fn each(&mut self, change: impl Fn(&mut State<D>) + Sync) {
-        self.states.iter_mut().for_each(change);
+    fn sum_of(&self, term: impl Fn(&State<SVector<f64, D>>) -> f64) -> f64 {
+        sum_apart(&self.states, term)
     }
 
     fn impulses(&self, r: &mut [f64]) {

@@ -17,11 +17,13 @@ pub use cg::Preconditioner;
 pub use problem::LocalProblem;
 
 use active_set::ActiveSet;
-use cg::ConeRun;
+use cg::Run;
 use contact::acceleration::Momentum;
+use contact::precision::Precision;
 use contact::{Iteration, SetupError};
 use exact::{Exact, Own};
 use gradient::Stored;
+use nalgebra::SVector;
 use sweeps::Sweeps;
 
 /// A method that needs no grains, with its settings. All begin from r = 0.
@@ -39,9 +41,9 @@ pub enum Method {
         /// Scaling of the gradient.
         preconditioner: Preconditioner,
     },
-    /// Newton's method on the statuses of contacts, begun by the conjugate gradient.
+    /// Newton's method on the statuses of contacts, begun by accelerated sweeps.
     ActiveSet {
-        /// Residual of the law at which the conjugate gradient first ends, as a natural map (–).
+        /// Residual of the law at which the sweeps first end, as a natural map (–).
         start_accuracy: f64,
     },
 }
@@ -71,7 +73,7 @@ impl Method {
             Self::Cg { preconditioner } => Box::new(gradient::<D>(problem, preconditioner)),
             Self::ActiveSet { start_accuracy } => {
                 SetupError::unless_not_negative("start_accuracy", start_accuracy)?;
-                Box::new(ActiveSet::<D>::new(problem, start_accuracy))
+                Box::new(ActiveSet::<D>::new(problem, start_accuracy)?)
             }
         })
     }
@@ -81,10 +83,10 @@ impl Method {
 fn gradient<const D: usize>(
     problem: &LocalProblem,
     preconditioner: Preconditioner,
-) -> ConeRun<Stored<'_, D>, D> {
+) -> Run<Stored<'_, D>, SVector<f64, D>> {
     let stored = Stored::new(problem, preconditioner == Preconditioner::Diagonal);
     let greatest = stored.greatest();
-    ConeRun::new(stored, greatest)
+    Run::new(stored, greatest, Precision::Double)
 }
 
 #[cfg(test)]

@@ -106,6 +106,7 @@ impl<'p, const D: usize> Newton<'p, D> {
         }
         self.work.factorisations += 1;
         let Ok(factor) = General::new(D * closed.len(), self.entries(&status, &closed)) else { return false };
+        self.work.factorisation_multiply_adds += factor.multiply_adds();
         let mut left = wanted(&status, &self.s, &self.v);
         for _ in 0..SOLVES {
             let mut x = vec![0.0; D * closed.len()];

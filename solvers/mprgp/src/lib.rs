@@ -160,7 +160,11 @@ impl<const D: usize> Run<D> {
         // −uᵗ d + ½ dᵗ W d
         let uphill = -self.product.sum_of(|at| at.u * at.added(length));
         self.product.push_few(|at| at.added(length));
-        let curvature = self.product.pull_around(|at, of_d| at.u -= of_d);
+        self.product.pull_around(|at, of_d| {
+            at.u -= of_d;
+            0.0
+        });
+        let curvature = self.product.curvature();
         let inverse_step = 1.0 / self.step;
         [self.free, self.chopped] = self.product.sums_of(|at| at.split(inverse_step));
         uphill + 0.5 * curvature

@@ -1,8 +1,6 @@
 //! Blocks of contacts for the threads, or of the ranks, and what they exchange.
 
-use contact::{
-    Column, ContactProblem, Discs, Mass, Mechanics, Numbers, Packing, SetupError, Vector, threads,
-};
+use contact::{Column, ContactProblem, Discs, Mass, Mechanics, Packing, SetupError, Vector, threads};
 use partition::{CopySums, Decomposition, Grid, Partition, Scheme, Share, Subdomain, Sums, Team};
 
 /// The contacts of a problem cut into blocks, which meet between two passes only, at the grains that they share. They are for
@@ -53,20 +51,15 @@ impl<M: Mechanics> Layout<M> {
     }
 
     /// The sums of what each block adds, at all ranks.
-    pub fn sum<const N: usize>(&self, parts: impl Iterator<Item = [f64; N]>) -> [f64; N] {
+    pub(crate) fn sum<const N: usize>(&self, parts: impl Iterator<Item = [f64; N]>) -> [f64; N] {
         match &self.team {
             None => parts.fold([0.0; N], |a, b| std::array::from_fn(|k| a[k] + b[k])),
             Some(team) => team.sum(parts),
         }
     }
 
-    /// Reports the logical OR over all ranks.
-    pub fn any(&self, here: bool) -> bool {
-        self.team.as_ref().map_or(here, |team| !team.all(!here))
-    }
-
     /// The least value at any rank.
-    pub fn least(&self, here: f64) -> f64 {
+    pub(crate) fn least(&self, here: f64) -> f64 {
         self.team.as_ref().map_or(here, |team| team.min(here))
     }
 
@@ -80,100 +73,86 @@ impl<M: Mechanics> Layout<M> {
         &self.decomposition.subdomains
     }
 
-    /// Returns the data of a method for each block, made from its columns, which are `scaled` by the diagonal of W or not.
-    pub fn blocks<B: Send>(
+    /// Returns the data of a method for each block, made from its contacts and their columns, which are `scaled` by the diagonal of W or not.
+    pub(crate) fn blocks<B: Send>(
         &self,
         problem: &ContactProblem<M>,
         scaled: bool,
-        block: impl Fn(Columns<M>, &Subdomain) -> B + Sync,
+        block: impl Fn(Columns<M>, Vec<M::Column>, &Subdomain) -> B + Sync,
     ) -> Vec<B> {
         let subdomains = self.subdomains();
         threads::make(subdomains.len(), &|e| {
-            block(Columns::new(problem, &self.decomposition, &subdomains[e], scaled), &subdomains[e])
+            let (columns, of_h) = Columns::new(problem, &self.decomposition, &subdomains[e], scaled);
+            block(columns, of_h, &subdomains[e])
         })
     }
 
     /// A pass over all blocks, in which each sends what it has of the grains it shares, in the order of [`Subdomain::boundary`].
-    pub fn send<B: Send>(&mut self, blocks: &mut [B], pass: impl Fn(&mut B, &mut [M::Velocity]) + Sync) {
+    pub(crate) fn send<B: Send>(
+        &mut self,
+        blocks: &mut [B],
+        pass: impl Fn(&mut B, &mut [M::Velocity]) + Sync,
+    ) {
         self.sums.send(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
     /// A pass over all blocks, in which each takes the sums of what all have sent.
-    pub fn receive<B: Send>(&self, blocks: &mut [B], pass: impl Fn(&mut B, Sums<'_, M::Velocity>) + Sync) {
+    pub(crate) fn receive<B: Send>(
+        &self,
+        blocks: &mut [B],
+        pass: impl Fn(&mut B, Sums<'_, M::Velocity>) + Sync,
+    ) {
         self.sums.receive(blocks, NS_PER_CONTACT * self.contacts, pass);
     }
 
     /// A pass over all blocks in which they exchange nothing.
-    pub fn each<B: Send>(&self, blocks: &mut [B], make: impl Fn(&mut B) + Sync) {
+    pub(crate) fn each<B: Send>(&self, blocks: &mut [B], make: impl Fn(&mut B) + Sync) {
         threads::each(blocks, NS_PER_CONTACT * self.contacts, &|_, block| make(block));
     }
 }
 
 /// The contacts of a block, in its own indices of grains.
-pub struct Columns<M: Mechanics = Discs> {
+pub(crate) struct Columns<M: Mechanics> {
     /// The problem's contact of each column.
     contact: Vec<u32>,
-    /// Columns of M^-½ H, or of H̃ where they are scaled by the diagonal of W.
-    pub scaled: Vec<M::Column>,
-    /// True where they are.
-    pub is_scaled: bool,
-    /// 1, or √`W_αα` (kg^-½) for those of H̃.
+    /// 1, or √`W_αα` (kg^-½) for columns of H̃.
     unit: Vec<M::Impulse>,
     /// The grains that blocks share.
-    boundary: Vec<u32>,
+    pub(crate) boundary: Vec<u32>,
     /// 1 over the number of blocks that have the grain: sums over the grains then count each once.
-    pub share: Vec<f64>,
+    pub(crate) share: Vec<f64>,
 }
 
 impl<M: Mechanics> Columns<M> {
+    /// Returns the contacts of a subdomain, and their columns of M^-½ H, or of H̃ where they are `scaled`.
     fn new(
         problem: &ContactProblem<M>,
         decomposition: &Decomposition,
         subdomain: &Subdomain,
         scaled: bool,
-    ) -> Self {
+    ) -> (Self, Vec<M::Column>) {
         let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
         let column = |(contact, ends): (&u32, &(u32, Option<u32>))| {
             M::Column::new(&problem.contacts()[*contact as usize], *ends, inverse_mass, scaled)
         };
         let share = |grain: &u32| 1.0 / f64::from(decomposition.multiplicity[*grain as usize]);
         let (columns, unit) = subdomain.contacts.iter().zip(&subdomain.ends).map(column).unzip();
-        Self {
+        let contacts = Self {
             contact: subdomain.contacts.clone(),
-            is_scaled: scaled,
-            scaled: columns,
             unit,
             boundary: subdomain.boundary.clone(),
             share: subdomain.grains.iter().map(share).collect(),
-        }
+        };
+        (contacts, columns)
     }
 
     /// The problem's contact and the unit of each column.
-    pub fn units(&self) -> impl Iterator<Item = (usize, M::Impulse)> {
+    pub(crate) fn units(&self) -> impl Iterator<Item = (usize, M::Impulse)> {
         self.contact.iter().map(|contact| *contact as usize).zip(self.unit.iter().copied())
     }
 
-    /// Copies what the block has of the grains that blocks share to `sent`.
-    pub fn send(&self, y: &[M::Velocity], sent: &mut [M::Velocity]) {
-        for (place, sent) in self.boundary.iter().zip(sent) {
-            *sent = y[*place as usize];
-        }
-    }
-
-    /// Gives these grains the `sums` over the blocks.
-    pub fn take(&self, y: &mut [M::Velocity], sums: Sums<'_, M::Velocity>) {
-        for (place, sum) in self.boundary.iter().zip(sums) {
-            y[*place as usize] = sum;
-        }
-    }
-
-    /// Puts impulses, the unit times each of which is in `r`, in the problem's order (N·s).
-    pub fn unscale(&self, r: &[M::Impulse], impulses: &mut [f64]) {
-        M::Impulse::unscale((r, &self.unit), &self.contact, impulses);
-    }
-
     /// Puts impulses, of which `r` gives the unit times each, in the problem's order (N·s).
-    pub fn impulses(&self, r: impl Iterator<Item = M::Impulse>, impulses: &mut [f64]) {
+    pub(crate) fn impulses(&self, r: impl Iterator<Item = M::Impulse>, impulses: &mut [f64]) {
         for (r, (contact, unit)) in r.zip(self.units()) {
             r.with(unit, |r, unit| r / unit).put(impulses, contact);
         }

@@ -8,12 +8,16 @@
 
 mod layout;
 
-pub use layout::{Columns, Layout};
-pub use partition::Subdomain;
+pub use layout::Layout;
 
-use contact::{Adjacency, Discs, Mechanics, Packing, SetupError, Smooth, Vector, Visited};
-use nalgebra::SVector;
-use pulp::Arch;
+use bytemuck::Zeroable;
+use contact::precision::{Precision, Single};
+use contact::{
+    Adjacency, Column, Discs, Mechanics, Numbers, Packing, SetupError, Vector, Visited, VisitedIn,
+};
+use layout::Columns;
+use partition::{Subdomain, Sums};
+use pulp::{Arch, Simd, WithSimd};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -32,20 +36,52 @@ pub enum Preconditioner {
 ///
 /// With the unit 1, impulses and velocities are r and v. With the unit √`W_αα`, √`W_αα` r and v/√`W_αα` stand in their place: a
 /// method in these unknowns is the one preconditioned by the diagonal of W.
+///
+/// The states are in double precision. Columns of H and velocities of grains are in double or in single precision, as [`Precision`] says.
 pub struct Product<C, M: Mechanics = Discs> {
     layout: Layout<M>,
     blocks: Vec<Block<C, M>>,
 }
 
 struct Block<C, M: Mechanics> {
+    contacts: Contacts<C, M>,
+    double: Half<M::Column>,
+    single: Half<Single<M>>,
+    /// True while products are made in single precision.
+    is_single: bool,
+}
+
+/// Contacts of a block, whatever the precision.
+struct Contacts<C, M: Mechanics> {
     columns: Columns<M>,
     states: Vec<C>,
-    /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
-    y: Vec<M::Velocity>,
     /// Contribution of the block to the sums that the last pass was for.
     parts: [f64; SUMS],
     /// The contacts around each grain, where [`Product::pull_around`] is wanted.
     adjacency: Option<Adjacency>,
+}
+
+/// Columns of M^-½ H, or of H̃, in one precision, and what a product needs between its halves.
+struct Half<C: Visited> {
+    columns: Vec<C>,
+    /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
+    y: Vec<C::Velocity>,
+    /// The same of the next p, where that is made as this one is pulled.
+    next: Vec<C::Velocity>,
+}
+
+/// A function of a contact, for a pass over all: a closure, or a type whose method is inlined for sure. A function that is not inlined
+/// where the processor's instructions are chosen does not get them, and what it returns waits in memory.
+pub trait At<S, X, Y>: Sync {
+    /// Returns its value at a contact with this state, for x.
+    fn at(&self, state: &mut S, x: X) -> Y;
+}
+
+impl<S, X, Y, F: Fn(&mut S, X) -> Y + Sync> At<S, X, Y> for F {
+    #[inline(always)]
+    fn at(&self, state: &mut S, x: X) -> Y {
+        self(state, x)
+    }
 }
 
 /// As many sums as a pass may be for.
@@ -68,7 +104,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         scaled: bool,
         state: impl Fn(usize, M::Impulse) -> C + Sync,
     ) -> Result<Self, SetupError> {
-        Ok(Self::over(Layout::new(problem)?, problem, scaled, state))
+        Ok(Self::over(Layout::new(problem)?, problem, scaled, Precision::Double, state))
     }
 
     /// Returns the product on the blocks of a layout, whose contacts and grains are those of `problem`.
@@ -76,14 +112,20 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         layout: Layout<M>,
         problem: &Packing<M>,
         scaled: bool,
+        precision: Precision,
         state: impl Fn(usize, M::Impulse) -> C + Sync,
     ) -> Self {
-        let blocks = layout.blocks(problem, scaled, |columns, subdomain| Block {
-            states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
-            y: vec![M::Velocity::ZERO; subdomain.grains.len()],
-            columns,
-            parts: [0.0; SUMS],
-            adjacency: None,
+        let is_single = precision != Precision::Double;
+        let blocks = layout.blocks(problem, scaled, |columns, of_h, subdomain| Block {
+            contacts: Contacts {
+                states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
+                columns,
+                parts: [0.0; SUMS],
+                adjacency: None,
+            },
+            single: Half::new(of_h.iter().map(Column::single).filter(|_| is_single), subdomain),
+            double: Half::new(of_h.into_iter().filter(|_| precision != Precision::Single), subdomain),
+            is_single,
         });
         Self { layout, blocks }
     }
@@ -92,9 +134,18 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     #[must_use]
     pub fn with_neighbours(mut self) -> Self {
         for (block, subdomain) in self.blocks.iter_mut().zip(self.layout.subdomains()) {
-            block.adjacency = Some(Adjacency::new(subdomain.ends.iter().copied(), subdomain.grains.len()));
+            block.contacts.adjacency =
+                Some(Adjacency::new(subdomain.ends.iter().copied(), subdomain.grains.len()));
         }
         self
+    }
+
+    /// Makes the next products in double precision, or no longer, where precision is mixed.
+    pub fn set_exact(&mut self, is_exact: bool) {
+        for block in &mut self.blocks {
+            block.is_single =
+                !block.single.columns.is_empty() && (!is_exact || block.double.columns.is_empty());
+        }
     }
 
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
@@ -111,19 +162,28 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         &mut self,
         p: impl Fn(&mut C) -> (M::Impulse, [f64; N]) + Sync,
     ) -> [f64; N] {
-        self.layout.send(&mut self.blocks, |block, sent| {
-            Arch::new().dispatch(|| block.push(&p));
-            block.columns.send(&block.y, sent);
-        });
+        self.push_by(move |at: &mut C, ()| p(at))
+    }
+
+    /// [`push_sums`](Self::push_sums), by a function of a contact.
+    pub fn push_by<const N: usize>(&mut self, p: impl At<C, (), (M::Impulse, [f64; N])>) -> [f64; N] {
+        self.send(&Push::<_, N>(p));
         self.sums()
     }
 
     /// [`push`](Self::push) of a `p` that is 0 at most contacts, which then cost next to nothing.
     pub fn push_few(&mut self, p: impl Fn(&C) -> M::Impulse + Sync) {
-        self.layout.send(&mut self.blocks, |block, sent| {
-            Arch::new().dispatch(|| block.push_few(&p));
-            block.columns.send(&block.y, sent);
-        });
+        self.send(&PushFew(p));
+    }
+
+    /// Second half of the product of one p, after [`curvature`](Self::curvature), and first half of that of the next: `take` is given (W p)_α
+    /// of each contact, and gives its next p, unless that is 0, and the terms of sums over the contacts.
+    pub fn pull_and_push<const N: usize>(
+        &mut self,
+        take: impl At<C, M::Impulse, (Option<M::Impulse>, [f64; N])>,
+    ) -> [f64; N] {
+        self.send(&PullAndPush::<_, N>(take));
+        self.sums()
     }
 
     /// Second half: `take` is given (W p)_α of each contact.
@@ -139,19 +199,24 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         &mut self,
         take: impl Fn(&mut C, M::Impulse) -> [f64; N] + Sync,
     ) -> [f64; N] {
-        self.layout.receive(&mut self.blocks, |block, sums| {
-            block.columns.take(&mut block.y, sums);
-            Arch::new().dispatch(|| block.pull(&take));
-        });
+        self.receive(&Pull(take));
         self.sums()
+    }
+
+    /// [`pull`](Self::pull) of a p that is 0 at most contacts, of the contacts around the grains with y ≠ 0 alone: `take` is given what each
+    /// of its grains adds to (W p)_α, one after the other, and gives what that adds to the first sum of the pass before. Returns this sum.
+    ///
+    /// # Panics
+    /// If the contacts around the grains are not known: see [`with_neighbours`](Self::with_neighbours).
+    pub fn pull_around(&mut self, take: impl Fn(&mut C, M::Impulse) -> f64 + Sync) -> f64 {
+        self.receive(&PullAround(take));
+        let [sum] = self.sums();
+        sum
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
     pub fn curvature(&mut self) -> f64 {
-        self.layout.receive(&mut self.blocks, |block, sums| {
-            block.columns.take(&mut block.y, sums);
-            Arch::new().dispatch(|| block.square());
-        });
+        self.receive(&Square);
         let [curvature] = self.sums();
         curvature
     }
@@ -165,107 +230,224 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// The sums of several `terms` over the contacts.
     pub fn sums_of<const N: usize>(&mut self, terms: impl Fn(&C) -> [f64; N] + Sync) -> [f64; N] {
         self.layout.each(&mut self.blocks, |block| {
-            block.parts = parts(block.states.iter().map(&terms).fold([0.0; N], add));
+            block.contacts.parts = parts(block.contacts.states.iter().map(&terms).fold([0.0; N], add));
         });
         self.sums()
+    }
+
+    /// The sum of a `term` over the contacts, in eight sums that do not wait for each other.
+    pub fn sum_apart(&self, term: impl Fn(&C) -> f64) -> f64 {
+        let [sum] =
+            self.layout.sum(self.blocks.iter().map(|block| [sum_apart(&block.contacts.states, &term)]));
+        sum
     }
 
     /// The least value at any contact; infinite without contact.
     pub fn least_of(&mut self, value: impl Fn(&C) -> f64 + Sync) -> f64 {
         self.layout.each(&mut self.blocks, |block| {
-            block.parts = parts([block.states.iter().map(&value).fold(f64::INFINITY, f64::min)]);
+            block.contacts.parts =
+                parts([block.contacts.states.iter().map(&value).fold(f64::INFINITY, f64::min)]);
         });
-        self.layout.least(self.blocks.iter().map(|block| block.parts[0]).fold(f64::INFINITY, f64::min))
+        self.layout
+            .least(self.blocks.iter().map(|block| block.contacts.parts[0]).fold(f64::INFINITY, f64::min))
     }
 
     /// Changes each contact.
     pub fn each(&mut self, change: impl Fn(&mut C) + Sync) {
-        self.layout.each(&mut self.blocks, |block| block.states.iter_mut().for_each(&change));
+        self.layout.each(&mut self.blocks, |block| block.contacts.states.iter_mut().for_each(&change));
     }
 
     /// Puts the impulses that `r` reads from each contact in the problem's order (N·s).
     pub fn impulses(&self, r: impl Fn(&C) -> M::Impulse, impulses: &mut [f64]) {
         for block in &self.blocks {
-            block.columns.impulses(block.states.iter().map(&r), impulses);
+            block.contacts.columns.impulses(block.contacts.states.iter().map(&r), impulses);
         }
+    }
+
+    /// A pass over all blocks, each of which then sends what it has of the grains it shares.
+    fn send(&mut self, pass: &impl Pass<C, M>) {
+        self.layout.send(&mut self.blocks, |block, sent| {
+            Arch::new().dispatch(Dispatched(block, pass));
+            let boundary = &block.contacts.columns.boundary;
+            if block.is_single {
+                block.single.send::<M>(boundary, sent)
+            } else {
+                block.double.send::<M>(boundary, sent)
+            }
+        });
+    }
+
+    /// A pass before which each block takes the sums of what all have sent.
+    fn receive(&mut self, pass: &impl Pass<C, M>) {
+        self.layout.receive(&mut self.blocks, |block, sums| {
+            let boundary = &block.contacts.columns.boundary;
+            if block.is_single {
+                block.single.take::<M>(boundary, sums)
+            } else {
+                block.double.take::<M>(boundary, sums)
+            }
+            Arch::new().dispatch(Dispatched(block, pass));
+        });
     }
 
     fn sums<const N: usize>(&self) -> [f64; N] {
-        self.layout.sum(self.blocks.iter().map(|block| std::array::from_fn(|k| block.parts[k])))
+        self.layout.sum(self.blocks.iter().map(|block| std::array::from_fn(|k| block.contacts.parts[k])))
     }
 }
 
-impl<C: Send + Sync, const D: usize> Product<C, Smooth<D>> {
-    /// [`pull`](Self::pull) after [`push_few`](Self::push_few), of the contacts around the grains with y ≠ 0 alone: `take` is
-    /// given what each of its grains adds to (W p)_α, one after the other. Returns pᵗ W p.
-    ///
-    /// # Panics
-    /// If the contacts around the grains are not known: see [`with_neighbours`](Self::with_neighbours).
-    pub fn pull_around(&mut self, take: impl Fn(&mut C, f64) + Sync) -> f64 {
-        self.layout.receive(&mut self.blocks, |block, sums| {
-            block.columns.take(&mut block.y, sums);
-            block.pull_around(&take);
-        });
-        let [curvature] = self.sums();
-        curvature
+impl<C: Visited> Half<C> {
+    fn new(columns: impl Iterator<Item = C>, subdomain: &Subdomain) -> Self {
+        let columns: Vec<C> = columns.collect();
+        let y = vec![C::Velocity::zeroed(); if columns.is_empty() { 0 } else { subdomain.grains.len() }];
+        Self { columns, next: y.clone(), y }
+    }
+
+    /// Copies what the block has of the grains that blocks share to `sent`.
+    fn send<M: Mechanics>(&self, boundary: &[u32], sent: &mut [M::Velocity])
+    where
+        C: VisitedIn<M>,
+    {
+        for (place, sent) in boundary.iter().zip(sent) {
+            *sent = self.y[*place as usize].double();
+        }
+    }
+
+    /// Gives these grains the `sums` over the blocks.
+    fn take<M: Mechanics>(&mut self, boundary: &[u32], sums: Sums<'_, M::Velocity>)
+    where
+        C: VisitedIn<M>,
+    {
+        for (place, sum) in boundary.iter().zip(sums) {
+            self.y[*place as usize] = C::Velocity::nearest(sum);
+        }
     }
 }
 
-impl<C, M: Mechanics> Block<C, M> {
+/// A pass over the contacts of a block.
+trait Pass<S, M: Mechanics>: Sync {
+    /// Makes the pass, and the sums that it is for.
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>);
+}
+
+/// Pass that is compiled for the processor's instructions. A closure would not be inlined there.
+struct Dispatched<'b, S, M: Mechanics, P>(&'b mut Block<S, M>, &'b P);
+
+impl<S, M: Mechanics, P: Pass<S, M>> WithSimd for Dispatched<'_, S, M, P> {
+    type Output = ();
+
     #[inline(always)]
-    fn push<const N: usize>(&mut self, p: &impl Fn(&mut C) -> (M::Impulse, [f64; N])) {
-        self.y.fill(M::Velocity::ZERO);
+    fn with_simd<I: Simd>(self, _: I) {
+        let Self(Block { contacts, double, single, is_single }, pass) = self;
+        if *is_single { pass.make(single, contacts) } else { pass.make(double, contacts) }
+    }
+}
+
+struct Push<P, const N: usize>(P);
+
+impl<S, M: Mechanics, P: At<S, (), (M::Impulse, [f64; N])>, const N: usize> Pass<S, M> for Push<P, N> {
+    #[inline(always)]
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+        half.y.fill(C::Velocity::zeroed());
         let mut sums = [0.0; N];
-        for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
-            let (p, terms) = p(state);
-            column.push(p, &mut self.y);
+        for (column, state) in half.columns.iter().zip(&mut contacts.states) {
+            let (p, terms) = self.0.at(state, ());
+            column.push(C::Impulse::nearest(p), &mut half.y);
             sums = add(sums, terms);
         }
-        self.parts = parts(sums);
-    }
-
-    #[inline(always)]
-    fn push_few(&mut self, p: &impl Fn(&C) -> M::Impulse) {
-        self.y.fill(M::Velocity::ZERO);
-        for (column, state) in self.columns.scaled.iter().zip(&self.states) {
-            let p = p(state);
-            if p != M::Impulse::ZERO {
-                column.push(p, &mut self.y);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn pull<const N: usize>(&mut self, take: &impl Fn(&mut C, M::Impulse) -> [f64; N]) {
-        let mut sums = [0.0; N];
-        for (column, state) in self.columns.scaled.iter().zip(&mut self.states) {
-            sums = add(sums, take(state, column.relative(&self.y)));
-        }
-        self.parts = parts(sums);
-    }
-
-    #[inline(always)]
-    fn square(&mut self) {
-        let squares = self.y.iter().zip(&self.columns.share).map(|(y, share)| share * y.dot_product(*y));
-        self.parts = parts([squares.sum()]);
+        contacts.parts = parts(sums);
     }
 }
 
-impl<C, const D: usize> Block<C, Smooth<D>> {
-    fn pull_around(&mut self, take: &impl Fn(&mut C, f64)) {
-        let Some(adjacency) = &self.adjacency else { panic!("the contacts around the grains are not known") };
-        let mut curvature = 0.0;
-        for (grain, (y, share)) in self.y.iter().zip(&self.columns.share).enumerate() {
-            if *y != SVector::<f64, D>::ZERO {
-                curvature += share * y.norm_squared();
-                for k in adjacency.around(grain) {
-                    let column = &self.columns.scaled[*k as usize];
-                    take(&mut self.states[*k as usize], column.relative_of(grain as u32, y));
-                }
+struct PushFew<P>(P);
+
+impl<S: Sync, M: Mechanics, P: Fn(&S) -> M::Impulse + Sync> Pass<S, M> for PushFew<P> {
+    #[inline(always)]
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+        half.y.fill(C::Velocity::zeroed());
+        for (column, state) in half.columns.iter().zip(&contacts.states) {
+            let p = (self.0)(state);
+            if p != M::Impulse::ZERO {
+                column.push(C::Impulse::nearest(p), &mut half.y);
             }
         }
-        self.parts = parts([curvature]);
     }
+}
+
+struct PullAndPush<T, const N: usize>(T);
+
+impl<S, M: Mechanics, T, const N: usize> Pass<S, M> for PullAndPush<T, N>
+where
+    T: At<S, M::Impulse, (Option<M::Impulse>, [f64; N])>,
+{
+    #[inline(always)]
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+        half.next.fill(C::Velocity::zeroed());
+        let mut sums = [0.0; N];
+        for (column, state) in half.columns.iter().zip(&mut contacts.states) {
+            let (p, terms) = self.0.at(state, column.relative(&half.y).double());
+            if let Some(p) = p {
+                column.push(C::Impulse::nearest(p), &mut half.next);
+            }
+            sums = add(sums, terms);
+        }
+        std::mem::swap(&mut half.y, &mut half.next);
+        contacts.parts = parts(sums);
+    }
+}
+
+struct Pull<T>(T);
+
+impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> [f64; N] + Sync, const N: usize> Pass<S, M> for Pull<T> {
+    #[inline(always)]
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+        let mut sums = [0.0; N];
+        for (column, state) in half.columns.iter().zip(&mut contacts.states) {
+            sums = add(sums, (self.0)(state, column.relative(&half.y).double()));
+        }
+        contacts.parts = parts(sums);
+    }
+}
+
+struct PullAround<T>(T);
+
+impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> f64 + Sync> Pass<S, M> for PullAround<T> {
+    #[inline(always)]
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+        let Contacts { states, parts: [sum, ..], adjacency, .. } = contacts;
+        let Some(adjacency) = adjacency else { panic!("the contacts around the grains are not known") };
+        for (grain, y) in half.y.iter().enumerate().filter(|(_, y)| **y != C::Velocity::zeroed()) {
+            for k in adjacency.around(grain) {
+                let of_p = half.columns[*k as usize].relative_of(grain as u32, *y);
+                *sum += (self.0)(&mut states[*k as usize], of_p.double());
+            }
+        }
+    }
+}
+
+struct Square;
+
+impl<S, M: Mechanics> Pass<S, M> for Square {
+    #[inline(always)]
+    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+        let squared = |(y, share): (&C::Velocity, &f64)| {
+            let y = y.double();
+            share * y.dot_product(y)
+        };
+        contacts.parts = parts([half.y.iter().zip(&contacts.columns.share).map(squared).sum()]);
+    }
+}
+
+/// The sum of a `term` over some states, in eight sums that do not wait for each other.
+pub fn sum_apart<S>(states: &[S], term: impl Fn(&S) -> f64) -> f64 {
+    let (eights, last) = states.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for states in eights {
+        for k in 0..8 {
+            sums[k] += term(&states[k]);
+        }
+    }
+    last.iter().for_each(|state| sums[0] += term(state));
+    sums.iter().sum()
 }
 
 #[inline(always)]

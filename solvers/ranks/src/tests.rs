@@ -199,8 +199,18 @@ fn ranks_may_have_nothing_to_do() {
 #[test]
 fn conjugate_gradients_have_the_same_bits_on_any_number_of_ranks() {
     for preconditioner in [cg::Preconditioner::None, cg::Preconditioner::Diagonal] {
-        as_on_one_machine::<Discs>(&discs("shear-box-991-sheared"), &Cg { preconditioner }, "cg", false);
-        as_on_one_machine(&rough("rough-991-mu08"), &Cg { preconditioner }, "cg with friction", false);
+        as_on_one_machine::<Discs>(
+            &discs("shear-box-991-sheared"),
+            &Cg { preconditioner, ..Cg::default() },
+            "cg",
+            false,
+        );
+        as_on_one_machine(
+            &rough("rough-991-mu08"),
+            &Cg { preconditioner, ..Cg::default() },
+            "cg with friction",
+            false,
+        );
     }
 }
 

@@ -21,7 +21,7 @@ fn column(gravity: [f64; 3]) -> March {
 }
 
 fn solver() -> Cg {
-    Cg { preconditioner: Preconditioner::Diagonal }
+    Cg::preconditioned()
 }
 
 #[test]

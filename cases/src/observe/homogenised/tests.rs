@@ -15,7 +15,7 @@ where
         changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     let mut march = March::<M>::new(&Case::read(&path, &changes).unwrap()).unwrap();
     let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-8, max_iterations: 2000 };
-    let solver = Cg { preconditioner: Preconditioner::Diagonal };
+    let solver = Cg::preconditioned();
     let mut last = None;
     for _ in 0..time_steps {
         let next = march.next().unwrap();

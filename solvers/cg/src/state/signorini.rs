@@ -1,0 +1,68 @@
+//! Without friction: r ≥ 0, and min over it of q(r).
+
+use super::{Law, State};
+use contact::law::non_negative;
+
+/// What a step may have to be undone with, and what round-off of u is measured by.
+#[derive(Clone, Copy)]
+pub struct Normal {
+    /// r before the step.
+    before: f64,
+    /// `W_αα`.
+    diagonal: f64,
+}
+
+/// `value` where r > 0 or u > 0, else 0: what r ≥ 0 does not block.
+#[inline]
+#[expect(clippy::needless_bitwise_bool, reason = "no branch: which contacts are blocked is hard to predict")]
+fn unblocked(at: &State<f64>, value: f64) -> f64 {
+    if (at.r > 0.0) | (at.u > 0.0) { value } else { 0.0 }
+}
+
+impl Law for f64 {
+    type Status = Normal;
+
+    const MINIMISES: bool = true;
+
+    fn status(r: Self, _: f64, diagonal: Self, unit: Self) -> Normal {
+        Normal { before: r, diagonal: diagonal / (unit * unit) }
+    }
+
+    #[inline]
+    fn step(at: &mut State<Self>, length: f64) -> Option<Self> {
+        at.status.before = at.r;
+        let moved = at.r + length * at.p;
+        at.r = non_negative(moved);
+        (moved < 0.0).then_some(-moved)
+    }
+
+    #[inline]
+    fn w(at: &State<Self>) -> Self {
+        unblocked(at, at.u)
+    }
+
+    #[inline]
+    fn direction(at: &State<Self>, beta: f64) -> Self {
+        unblocked(at, at.u + beta * at.p)
+    }
+
+    #[inline]
+    fn left(at: &State<Self>) -> f64 {
+        let left = if -at.u < at.r { -at.u } else { at.r };
+        left * left
+    }
+
+    #[inline]
+    fn squared_size(at: &State<Self>) -> f64 {
+        let pressed = at.status.diagonal * at.r;
+        unblocked(at, at.b * at.b + pressed * pressed)
+    }
+
+    fn reach(at: &State<Self>) -> f64 {
+        if at.p < 0.0 { -at.r / at.p } else { f64::INFINITY }
+    }
+
+    fn withdraw(at: &mut State<Self>) {
+        at.r = at.status.before;
+    }
+}
