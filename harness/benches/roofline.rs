@@ -4,7 +4,7 @@
 mod common;
 
 use cases::Frozen;
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::acceleration::Acceleration;
 use contact::sweep::Row;
 use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Solver, Spheres};

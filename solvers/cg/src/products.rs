@@ -29,7 +29,7 @@ pub trait Products<I: Law> {
     /// Second half of W d: u ← u − W d. Returns wᵗ W p, which was the first sum of the pass before, as if d were 0.
     fn correct(&mut self) -> f64 {
         let [product] = self.pull_sums(|at, of_d| {
-            at.u = at.u - of_d;
+            at.u -= of_d;
             [at.product()]
         });
         product
@@ -78,12 +78,12 @@ impl<M: Mechanics<Impulse: Law>> Products<M::Impulse> for Product<State<M::Impul
         if M::Impulse::MINIMISES {
             self.pull_around(|at, of_d| {
                 let before = M::Impulse::w(at);
-                at.u = at.u - of_d;
+                at.u -= of_d;
                 (M::Impulse::w(at) - before).dot_product(at.of_p)
             })
         } else {
             let [product] = self.pull_sums(|at, of_d| {
-                at.u = at.u - of_d;
+                at.u -= of_d;
                 [at.product()]
             });
             product

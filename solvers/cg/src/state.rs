@@ -64,7 +64,7 @@ pub trait Law: Vector {
 }
 
 impl<I: Law> State<I> {
-    /// A contact of the problem, with its b (m/s), r (N·s), μ (–), `diagonal` `W_αα` (1/kg) and `unit` (kg^½, or 1).
+    /// A contact of the problem, with its b (m/s), r (N·s), μ (–), `diagonal` `W_αα` (1/kg) and `unit` (kg^-½, or 1).
     pub fn new(b: I, r: I, friction: f64, diagonal: I, unit: I) -> Self {
         let r = r.with(unit, |r, unit| r * unit);
         let status = I::status(r, friction, diagonal, unit);
@@ -98,7 +98,7 @@ impl<I: Law> At<State<I>, I, (Option<I>, [f64; 3])> for Step {
     fn at(&self, at: &mut State<I>, of_p: I) -> (Option<I>, [f64; 3]) {
         let d = I::step(at, self.0);
         at.of_p = of_p;
-        at.u = at.u - of_p * self.0;
+        at.u -= of_p * self.0;
         let terms = match d {
             _ if !I::MINIMISES => [0.0; 3],
             Some(d) => [at.product(), -at.u.dot_product(d), 1.0],

@@ -66,7 +66,7 @@ struct Half<C: Visited> {
     columns: Vec<C>,
     /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
     y: Vec<C::Velocity>,
-    /// The same of the next p, where that is made as this one is pulled.
+    /// M^-½ H of the next p, where that is made as this one is pulled.
     next: Vec<C::Velocity>,
 }
 
@@ -270,9 +270,9 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
             Arch::new().dispatch(Dispatched(block, pass));
             let boundary = &block.contacts.columns.boundary;
             if block.is_single {
-                block.single.send::<M>(boundary, sent)
+                block.single.send::<M>(boundary, sent);
             } else {
-                block.double.send::<M>(boundary, sent)
+                block.double.send::<M>(boundary, sent);
             }
         });
     }
@@ -282,9 +282,9 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         self.layout.receive(&mut self.blocks, |block, sums| {
             let boundary = &block.contacts.columns.boundary;
             if block.is_single {
-                block.single.take::<M>(boundary, sums)
+                block.single.take::<M>(boundary, sums);
             } else {
-                block.double.take::<M>(boundary, sums)
+                block.double.take::<M>(boundary, sums);
             }
             Arch::new().dispatch(Dispatched(block, pass));
         });
@@ -446,7 +446,9 @@ pub fn sum_apart<S>(states: &[S], term: impl Fn(&S) -> f64) -> f64 {
             sums[k] += term(&states[k]);
         }
     }
-    last.iter().for_each(|state| sums[0] += term(state));
+    for state in last {
+        sums[0] += term(state);
+    }
     sums.iter().sum()
 }
 

@@ -226,7 +226,7 @@ fn ranks_stop_where_one_machine_does() {
         assert_eq!((end.status, end.iterations), (Status::Converged, alone.iterations));
         assert!(end.impulses == alone.impulses);
     }
-    let cg = Cg { preconditioner: cg::Preconditioner::Diagonal };
+    let cg = Cg::preconditioned();
     for size in SIZES {
         assert_eq!(on_ranks::<Discs>(&problem, &cg, (GRID, size), &stop).status, Status::Converged);
     }

@@ -1,6 +1,6 @@
 use super::Start;
 use crate::{Case, March};
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Discs, Measure};
 use runner::Stop;
 use std::path::Path;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{Case, March};
-use cg::{Cg, Preconditioner};
+use cg::Cg;
 use contact::{Discs, Measure, RoughDiscs, Spheres};
 use runner::Stop;
 use std::path::Path;

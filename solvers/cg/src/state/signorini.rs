@@ -3,7 +3,7 @@
 use super::{Law, State};
 use contact::law::non_negative;
 
-/// What a step may have to be undone with, and what round-off of u is measured by.
+/// Numbers by which a step is undone, and round-off of u is measured.
 #[derive(Clone, Copy)]
 pub struct Normal {
     /// r before the step.
@@ -12,7 +12,7 @@ pub struct Normal {
     diagonal: f64,
 }
 
-/// `value` where r > 0 or u > 0, else 0: what r ≥ 0 does not block.
+/// Returns `value` where r > 0 or u > 0, so that r ≥ 0 does not block it; else 0.
 #[inline]
 #[expect(clippy::needless_bitwise_bool, reason = "no branch: which contacts are blocked is hard to predict")]
 fn unblocked(at: &State<f64>, value: f64) -> f64 {
