@@ -78,12 +78,12 @@ impl<M: Mechanics> Layout<M> {
         &self,
         problem: &ContactProblem<M>,
         scaled: bool,
-        block: impl Fn(Columns<M>, Vec<M::Column>, &Subdomain) -> B + Sync,
+        block: impl Fn(Units<M>, Vec<M::Column>, &Subdomain) -> B + Sync,
     ) -> Vec<B> {
         let subdomains = self.subdomains();
         threads::make(subdomains.len(), &|e| {
-            let (columns, of_h) = Columns::new(problem, &self.decomposition, &subdomains[e], scaled);
-            block(columns, of_h, &subdomains[e])
+            let (units, of_h) = Units::new(problem, &self.decomposition, &subdomains[e], scaled);
+            block(units, of_h, &subdomains[e])
         })
     }
 
@@ -111,8 +111,8 @@ impl<M: Mechanics> Layout<M> {
     }
 }
 
-/// The contacts of a block, in its own indices of grains.
-pub(crate) struct Columns<M: Mechanics> {
+/// The contacts of a block by their numbers in the problem, with their units, and the grains that it shares.
+pub(crate) struct Units<M: Mechanics> {
     /// The problem's contact of each column.
     contact: Vec<u32>,
     /// 1, or √`W_αα` (kg^-½) for columns of H̃.
@@ -123,7 +123,7 @@ pub(crate) struct Columns<M: Mechanics> {
     pub(crate) share: Vec<f64>,
 }
 
-impl<M: Mechanics> Columns<M> {
+impl<M: Mechanics> Units<M> {
     /// Returns the contacts of a subdomain, and their columns of M^-½ H, or of H̃ where they are `scaled`.
     fn new(
         problem: &ContactProblem<M>,
@@ -147,13 +147,13 @@ impl<M: Mechanics> Columns<M> {
     }
 
     /// The problem's contact and the unit of each column.
-    pub(crate) fn units(&self) -> impl Iterator<Item = (usize, M::Impulse)> {
+    pub(crate) fn each(&self) -> impl Iterator<Item = (usize, M::Impulse)> {
         self.contact.iter().map(|contact| *contact as usize).zip(self.unit.iter().copied())
     }
 
     /// Puts impulses, of which `r` gives the unit times each, in the problem's order (N·s).
     pub(crate) fn impulses(&self, r: impl Iterator<Item = M::Impulse>, impulses: &mut [f64]) {
-        for (r, (contact, unit)) in r.zip(self.units()) {
+        for (r, (contact, unit)) in r.zip(self.each()) {
             r.with(unit, |r, unit| r / unit).put(impulses, contact);
         }
     }

@@ -15,7 +15,7 @@ use contact::precision::{Precision, Single};
 use contact::{
     Adjacency, Column, Discs, Mechanics, Numbers, Packing, SetupError, Vector, Visited, VisitedIn,
 };
-use layout::Columns;
+use layout::Units;
 use partition::{Subdomain, Sums};
 use pulp::{Arch, Simd, WithSimd};
 use schemars::JsonSchema;
@@ -45,15 +45,15 @@ pub struct Product<C, M: Mechanics = Discs> {
 
 struct Block<C, M: Mechanics> {
     contacts: Contacts<C, M>,
-    double: Half<M::Column>,
-    single: Half<Single<M>>,
+    double: Columns<M::Column>,
+    single: Columns<Single<M>>,
     /// True while products are made in single precision.
     is_single: bool,
 }
 
 /// Contacts of a block, whatever the precision.
 struct Contacts<C, M: Mechanics> {
-    columns: Columns<M>,
+    units: Units<M>,
     states: Vec<C>,
     /// Contribution of the block to the sums that the last pass was for.
     parts: [f64; SUMS],
@@ -62,8 +62,8 @@ struct Contacts<C, M: Mechanics> {
 }
 
 /// Columns of M^-½ H, or of H̃, in one precision, and what a product needs between its halves.
-struct Half<C: Visited> {
-    columns: Vec<C>,
+struct Columns<C: Visited> {
+    of_h: Vec<C>,
     /// M^-½ H p; of grains that blocks share, each has the sum after it has been received.
     y: Vec<C::Velocity>,
     /// M^-½ H of the next p, where that is made as this one is pulled.
@@ -116,15 +116,15 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         state: impl Fn(usize, M::Impulse) -> C + Sync,
     ) -> Self {
         let is_single = precision != Precision::Double;
-        let blocks = layout.blocks(problem, scaled, |columns, of_h, subdomain| Block {
+        let blocks = layout.blocks(problem, scaled, |units, of_h, subdomain| Block {
             contacts: Contacts {
-                states: columns.units().map(|(contact, unit)| state(contact, unit)).collect(),
-                columns,
+                states: units.each().map(|(contact, unit)| state(contact, unit)).collect(),
+                units,
                 parts: [0.0; SUMS],
                 adjacency: None,
             },
-            single: Half::new(of_h.iter().map(Column::single).filter(|_| is_single), subdomain),
-            double: Half::new(of_h.into_iter().filter(|_| precision != Precision::Single), subdomain),
+            single: Columns::new(of_h.iter().map(Column::single).filter(|_| is_single), subdomain),
+            double: Columns::new(of_h.into_iter().filter(|_| precision != Precision::Single), subdomain),
             is_single,
         });
         Self { layout, blocks }
@@ -143,8 +143,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// Makes the next products in double precision, or no longer, where precision is mixed.
     pub fn set_exact(&mut self, is_exact: bool) {
         for block in &mut self.blocks {
-            block.is_single =
-                !block.single.columns.is_empty() && (!is_exact || block.double.columns.is_empty());
+            block.is_single = !block.single.of_h.is_empty() && (!is_exact || block.double.of_h.is_empty());
         }
     }
 
@@ -214,7 +213,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         sum
     }
 
-    /// pᵗ W p = |y|² of the p last pushed, without the second half.
+    /// pᵗ W p = |y|² of the p last pushed, without the second columns.
     pub fn curvature(&mut self) -> f64 {
         self.receive(&Square);
         let [curvature] = self.sums();
@@ -260,7 +259,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// Puts the impulses that `r` reads from each contact in the problem's order (N·s).
     pub fn impulses(&self, r: impl Fn(&C) -> M::Impulse, impulses: &mut [f64]) {
         for block in &self.blocks {
-            block.contacts.columns.impulses(block.contacts.states.iter().map(&r), impulses);
+            block.contacts.units.impulses(block.contacts.states.iter().map(&r), impulses);
         }
     }
 
@@ -268,7 +267,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     fn send(&mut self, pass: &impl Pass<C, M>) {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(Dispatched(block, pass));
-            let boundary = &block.contacts.columns.boundary;
+            let boundary = &block.contacts.units.boundary;
             if block.is_single {
                 block.single.send::<M>(boundary, sent);
             } else {
@@ -280,7 +279,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// A pass before which each block takes the sums of what all have sent.
     fn receive(&mut self, pass: &impl Pass<C, M>) {
         self.layout.receive(&mut self.blocks, |block, sums| {
-            let boundary = &block.contacts.columns.boundary;
+            let boundary = &block.contacts.units.boundary;
             if block.is_single {
                 block.single.take::<M>(boundary, sums);
             } else {
@@ -295,11 +294,11 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 }
 
-impl<C: Visited> Half<C> {
-    fn new(columns: impl Iterator<Item = C>, subdomain: &Subdomain) -> Self {
-        let columns: Vec<C> = columns.collect();
-        let y = vec![C::Velocity::zeroed(); if columns.is_empty() { 0 } else { subdomain.grains.len() }];
-        Self { columns, next: y.clone(), y }
+impl<C: Visited> Columns<C> {
+    fn new(of_h: impl Iterator<Item = C>, subdomain: &Subdomain) -> Self {
+        let of_h: Vec<C> = of_h.collect();
+        let y = vec![C::Velocity::zeroed(); if of_h.is_empty() { 0 } else { subdomain.grains.len() }];
+        Self { of_h, next: y.clone(), y }
     }
 
     /// Copies what the block has of the grains that blocks share to `sent`.
@@ -326,7 +325,7 @@ impl<C: Visited> Half<C> {
 /// A pass over the contacts of a block.
 trait Pass<S, M: Mechanics>: Sync {
     /// Makes the pass, and the sums that it is for.
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>);
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>);
 }
 
 /// Pass that is compiled for the processor's instructions. A closure would not be inlined there.
@@ -346,12 +345,12 @@ struct Push<P, const N: usize>(P);
 
 impl<S, M: Mechanics, P: At<S, (), (M::Impulse, [f64; N])>, const N: usize> Pass<S, M> for Push<P, N> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
-        half.y.fill(C::Velocity::zeroed());
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
+        columns.y.fill(C::Velocity::zeroed());
         let mut sums = [0.0; N];
-        for (column, state) in half.columns.iter().zip(&mut contacts.states) {
+        for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
             let (p, terms) = self.0.at(state, ());
-            column.push(C::Impulse::nearest(p), &mut half.y);
+            column.push(C::Impulse::nearest(p), &mut columns.y);
             sums = add(sums, terms);
         }
         contacts.parts = parts(sums);
@@ -362,12 +361,12 @@ struct PushFew<P>(P);
 
 impl<S: Sync, M: Mechanics, P: Fn(&S) -> M::Impulse + Sync> Pass<S, M> for PushFew<P> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
-        half.y.fill(C::Velocity::zeroed());
-        for (column, state) in half.columns.iter().zip(&contacts.states) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
+        columns.y.fill(C::Velocity::zeroed());
+        for (column, state) in columns.of_h.iter().zip(&contacts.states) {
             let p = (self.0)(state);
             if p != M::Impulse::ZERO {
-                column.push(C::Impulse::nearest(p), &mut half.y);
+                column.push(C::Impulse::nearest(p), &mut columns.y);
             }
         }
     }
@@ -380,17 +379,17 @@ where
     T: At<S, M::Impulse, (Option<M::Impulse>, [f64; N])>,
 {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
-        half.next.fill(C::Velocity::zeroed());
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
+        columns.next.fill(C::Velocity::zeroed());
         let mut sums = [0.0; N];
-        for (column, state) in half.columns.iter().zip(&mut contacts.states) {
-            let (p, terms) = self.0.at(state, column.relative(&half.y).double());
+        for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
+            let (p, terms) = self.0.at(state, column.relative(&columns.y).double());
             if let Some(p) = p {
-                column.push(C::Impulse::nearest(p), &mut half.next);
+                column.push(C::Impulse::nearest(p), &mut columns.next);
             }
             sums = add(sums, terms);
         }
-        std::mem::swap(&mut half.y, &mut half.next);
+        std::mem::swap(&mut columns.y, &mut columns.next);
         contacts.parts = parts(sums);
     }
 }
@@ -399,10 +398,10 @@ struct Pull<T>(T);
 
 impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> [f64; N] + Sync, const N: usize> Pass<S, M> for Pull<T> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
         let mut sums = [0.0; N];
-        for (column, state) in half.columns.iter().zip(&mut contacts.states) {
-            sums = add(sums, (self.0)(state, column.relative(&half.y).double()));
+        for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
+            sums = add(sums, (self.0)(state, column.relative(&columns.y).double()));
         }
         contacts.parts = parts(sums);
     }
@@ -412,12 +411,12 @@ struct PullAround<T>(T);
 
 impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> f64 + Sync> Pass<S, M> for PullAround<T> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
         let Contacts { states, parts: [sum, ..], adjacency, .. } = contacts;
         let Some(adjacency) = adjacency else { panic!("the contacts around the grains are not known") };
-        for (grain, y) in half.y.iter().enumerate().filter(|(_, y)| **y != C::Velocity::zeroed()) {
+        for (grain, y) in columns.y.iter().enumerate().filter(|(_, y)| **y != C::Velocity::zeroed()) {
             for k in adjacency.around(grain) {
-                let of_p = half.columns[*k as usize].relative_of(grain as u32, *y);
+                let of_p = columns.of_h[*k as usize].relative_of(grain as u32, *y);
                 *sum += (self.0)(&mut states[*k as usize], of_p.double());
             }
         }
@@ -428,12 +427,12 @@ struct Square;
 
 impl<S, M: Mechanics> Pass<S, M> for Square {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, half: &mut Half<C>, contacts: &mut Contacts<S, M>) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
         let squared = |(y, share): (&C::Velocity, &f64)| {
             let y = y.double();
             share * y.dot_product(y)
         };
-        contacts.parts = parts([half.y.iter().zip(&contacts.columns.share).map(squared).sum()]);
+        contacts.parts = parts([columns.y.iter().zip(&contacts.units.share).map(squared).sum()]);
     }
 }
 
