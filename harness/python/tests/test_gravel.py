@@ -99,7 +99,7 @@ def test_curve_falls_to_the_residual_and_truth_is_measured():
     assert curve["natural_map"][-1] == solution.residuals["natural_map"] <= 1e-8
     assert curve["iteration"][-1] == solution.iterations
     assert 0 < solution.residuals["velocity_error"] < 1e-6
-    assert solution.told["settings"] == {"preconditioner": "none"}
+    assert solution.told["settings"] == {"preconditioner": "none", "precision": "double"}
 
 
 def test_what_does_not_converge_is_a_solution_that_says_so():
