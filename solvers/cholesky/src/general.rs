@@ -61,7 +61,7 @@ impl General {
         let mut beside = vec![0_u64; l.n];
         u.i.iter().take(u.p[u.n].cast_unsigned()).for_each(|row| beside[*row] += 1);
         let below = l.p.windows(2).map(|ends| (ends[1] - ends[0]).cast_unsigned() as u64);
-        // Those of the diagonal are no factors of an update.
+        // Diagonal entries are in no update.
         below.zip(beside).map(|(below, beside)| below.saturating_sub(1) * beside.saturating_sub(1)).sum()
     }
 

@@ -4,7 +4,7 @@ use crate::LocalProblem;
 use cg::{Products, State};
 use contact::Vector;
 use nalgebra::SVector;
-use product::{At, sum_apart};
+use product::{At, add, sum_apart};
 
 /// The contacts of a problem in units of their own: √`w_n` r and v/√`w_n` in the place of r and v, likewise along the tangents; or in 1.
 pub(crate) struct Stored<'p, const D: usize> {
@@ -112,8 +112,4 @@ impl<const D: usize> Products<SVector<f64, D>> for Stored<'_, D> {
             state.impulse().component_div(unit).put(r, contact);
         }
     }
-}
-
-fn add<const N: usize>(sums: [f64; N], terms: [f64; N]) -> [f64; N] {
-    std::array::from_fn(|k| sums[k] + terms[k])
 }

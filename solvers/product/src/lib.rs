@@ -123,7 +123,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
                 parts: [0.0; SUMS],
                 adjacency: None,
             },
-            single: Columns::new(of_h.iter().map(Column::single).filter(|_| is_single), subdomain),
+            single: Columns::new(of_h.iter().filter(|_| is_single).map(Column::single), subdomain),
             double: Columns::new(of_h.into_iter().filter(|_| precision != Precision::Single), subdomain),
             is_single,
         });
@@ -213,7 +213,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         sum
     }
 
-    /// pᵗ W p = |y|² of the p last pushed, without the second columns.
+    /// pᵗ W p = |y|² of the p last pushed, without the second half.
     pub fn curvature(&mut self) -> f64 {
         self.receive(&Square);
         let [curvature] = self.sums();
@@ -298,7 +298,7 @@ impl<C: Visited> Columns<C> {
     fn new(of_h: impl Iterator<Item = C>, subdomain: &Subdomain) -> Self {
         let of_h: Vec<C> = of_h.collect();
         let y = vec![C::Velocity::zeroed(); if of_h.is_empty() { 0 } else { subdomain.grains.len() }];
-        Self { of_h, next: y.clone(), y }
+        Self { of_h, y, next: Vec::new() }
     }
 
     /// Copies what the block has of the grains that blocks share to `sent`.
@@ -380,7 +380,8 @@ where
 {
     #[inline(always)]
     fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
-        columns.next.fill(C::Velocity::zeroed());
+        columns.next.clear();
+        columns.next.resize(columns.y.len(), C::Velocity::zeroed());
         let mut sums = [0.0; N];
         for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
             let (p, terms) = self.0.at(state, column.relative(&columns.y).double());
@@ -451,7 +452,8 @@ pub fn sum_apart<S>(states: &[S], term: impl Fn(&S) -> f64) -> f64 {
     sums.iter().sum()
 }
 
+/// The sums, with other terms added.
 #[inline(always)]
-fn add<const N: usize>(sums: [f64; N], terms: [f64; N]) -> [f64; N] {
+pub fn add<const N: usize>(sums: [f64; N], terms: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| sums[k] + terms[k])
 }
