@@ -23,10 +23,11 @@ struct Found {
 }
 
 fn found(problem: &Packing, p: &[f64], scaled: bool) -> Found {
-    let mut product = Product::new(problem, scaled, |k, unit| At { p: p[k] * unit, of_p: 0.0 }).unwrap();
+    let mut product =
+        Product::new(problem, scaled, |k, unit| (At { p: p[k] * unit, of_p: 0.0 }, ())).unwrap();
     let squared = product.push(|at| at.p);
     let curvature = product.curvature();
-    product.pull(|at, of_p| at.of_p = of_p);
+    product.pull(|at, (), of_p| at.of_p = of_p);
     let squared = [squared, product.sum_of(|at| at.p * at.p)];
     let curvature = [curvature, product.sum_of(|at| at.p * at.of_p)];
     let mut of_p = vec![f64::NAN; p.len()];

@@ -36,9 +36,8 @@ const SHRINK: f64 = 0.9;
 /// from there than the number of contacts has digits.
 const DOUBLINGS: u32 = 128;
 
-/// Data of a contact. D is 1: with the preconditioner, the unknowns are scaled by it.
+/// State of a contact. D is 1: with the preconditioner, the unknowns are scaled by it.
 struct Contact {
-    b: f64,
     r: f64,
     /// r⁺ of the step tried.
     r_plus: f64,
@@ -49,7 +48,8 @@ struct Contact {
 }
 
 struct Run<const D: usize> {
-    product: Product<Contact, Smooth<D>>,
+    /// The constant of a contact is b.
+    product: Product<Contact, f64, Smooth<D>>,
     acceleration: bool,
     /// β of y = r⁺ + β (r⁺ − r), with r⁺ and r of the iteration before.
     beta: f64,
@@ -69,7 +69,7 @@ impl<const D: usize> Run<D> {
             at.r = at.r_plus;
             at.y
         });
-        self.product.pull(|at, of_y| at.g = of_y + at.b);
+        self.product.pull(|at, b, of_y| at.g = of_y + b);
         self.products += 1;
     }
 
@@ -131,7 +131,7 @@ impl<const D: usize> Solver<Smooth<D>> for Apgd {
             if scaled { 1.0 } else { problem.delassus_diagonal().into_iter().fold(0.0, f64::max) };
         let contact = |contact: usize, unit: f64| {
             let r = r0[contact] * unit;
-            Contact { b: b[contact] / unit, r, r_plus: r, y: r, g: 0.0 }
+            (Contact { r, r_plus: r, y: r, g: 0.0 }, b[contact] / unit)
         };
         Ok(Box::new(Run {
             product: Product::new(problem, scaled, contact)?,

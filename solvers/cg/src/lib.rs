@@ -20,7 +20,7 @@ mod state;
 pub use product::Preconditioner;
 pub use products::Products;
 pub use run::Run;
-pub use state::{Law, State};
+pub use state::{Constants, Law, State};
 
 use analysis::Bounded;
 use contact::precision::Precision;
@@ -41,7 +41,9 @@ pub struct Cg {
 }
 
 /// A run on the grains of a mechanics.
-pub type GrainRun<M> = Run<Product<State<<M as Mechanics>::Impulse>, M>, <M as Mechanics>::Impulse>;
+pub type GrainRun<M> = Run<GrainProduct<<M as Mechanics>::Impulse, M>, <M as Mechanics>::Impulse>;
+
+type GrainProduct<I, M> = Product<State<I>, Constants<I>, M>;
 
 impl Cg {
     /// The conjugate gradient with the diagonal of W as preconditioner.

@@ -1,16 +1,16 @@
 //! Products with W that the conjugate gradient needs: of grains, or of a W that is stored.
 
-use crate::{Law, State};
+use crate::{Constants, Law, State};
 use contact::{Mechanics, Vector};
-use product::{At, Product};
+use product::{At, Product, Pulled};
 
-/// Products with W, and a [`State`] at each contact, in units that make a cone of a cone: one for its normal, one for its tangents.
+/// Products with W, and a [`State`] and [`Constants`] at each contact, in units that make a cone of a cone: one for its normal, one for its tangents.
 pub trait Products<I: Law> {
     /// First half of the product W p: `p` gives the p of each contact, and the terms of sums over the contacts.
     fn push_by<const N: usize>(&mut self, p: impl At<State<I>, (), (I, [f64; N])>) -> [f64; N];
 
     /// First half of the product W p: `p` gives the p of each contact.
-    fn push(&mut self, p: impl Fn(&mut State<I>) -> I + Sync) {
+    fn push(&mut self, p: impl Fn(&mut State<I>) -> I + Copy + Sync) {
         let [] = self.push_by(move |at: &mut State<I>, ()| (p(at), []));
     }
 
@@ -18,21 +18,21 @@ pub trait Products<I: Law> {
     fn curvature(&mut self) -> f64;
 
     /// Second half: `take` is given (W p)_α of each contact, and gives the terms of sums over the contacts.
-    fn pull_sums<const N: usize>(&mut self, take: impl Fn(&mut State<I>, I) -> [f64; N] + Sync) -> [f64; N];
-
-    /// Second half, after `curvature`, and the first half of W d: `take` gives the d of each contact, unless it is 0, and the terms of sums.
-    fn pull_and_push<const N: usize>(
+    fn pull_sums<const N: usize>(
         &mut self,
-        take: impl At<State<I>, I, (Option<I>, [f64; N])>,
+        take: impl Fn(&mut State<I>, &Constants<I>, I) -> [f64; N] + Copy + Sync,
     ) -> [f64; N];
 
-    /// Second half of W d: u ← u − W d. Returns wᵗ W p, which was the first sum of the pass before, as if d were 0.
-    fn correct(&mut self) -> f64 {
-        let [product] = self.pull_sums(|at, of_d| {
+    /// Second half, after `curvature`, and the first half of W d: `take` gives the d of each contact, unless it is 0, and the terms of sums.
+    fn pull_and_push(&mut self, take: impl At<State<I>, I, Pulled<I>>) -> [f64; 3];
+
+    /// Second half of W d: u ← u − W d. Returns wᵗ W p, which was the first sum of the pass before, as if d were 0, and dᵗ W d, or 0 where
+    /// nothing is minimised.
+    fn correct(&mut self) -> [f64; 2] {
+        self.pull_sums(|at, _, of_d| {
             at.u -= of_d;
-            [at.product()]
-        });
-        product
+            [at.product(), 0.0]
+        })
     }
 
     /// Makes the next products in double precision, or no longer, where precision is mixed.
@@ -48,7 +48,9 @@ pub trait Products<I: Law> {
     fn impulses(&self, r: &mut [f64]);
 }
 
-impl<M: Mechanics<Impulse: Law>> Products<M::Impulse> for Product<State<M::Impulse>, M> {
+impl<M: Mechanics<Impulse: Law>> Products<M::Impulse>
+    for Product<State<M::Impulse>, Constants<M::Impulse>, M>
+{
     fn push_by<const N: usize>(
         &mut self,
         p: impl At<State<M::Impulse>, (), (M::Impulse, [f64; N])>,
@@ -62,19 +64,19 @@ impl<M: Mechanics<Impulse: Law>> Products<M::Impulse> for Product<State<M::Impul
 
     fn pull_sums<const N: usize>(
         &mut self,
-        take: impl Fn(&mut State<M::Impulse>, M::Impulse) -> [f64; N] + Sync,
+        take: impl Fn(&mut State<M::Impulse>, &Constants<M::Impulse>, M::Impulse) -> [f64; N] + Copy + Sync,
     ) -> [f64; N] {
         self.pull_sums(take)
     }
 
-    fn pull_and_push<const N: usize>(
+    fn pull_and_push(
         &mut self,
-        take: impl At<State<M::Impulse>, M::Impulse, (Option<M::Impulse>, [f64; N])>,
-    ) -> [f64; N] {
+        take: impl At<State<M::Impulse>, M::Impulse, Pulled<M::Impulse>>,
+    ) -> [f64; 3] {
         self.pull_and_push(take)
     }
 
-    fn correct(&mut self) -> f64 {
+    fn correct(&mut self) -> [f64; 2] {
         if M::Impulse::MINIMISES {
             self.pull_around(|at, of_d| {
                 let before = M::Impulse::w(at);
@@ -82,11 +84,10 @@ impl<M: Mechanics<Impulse: Law>> Products<M::Impulse> for Product<State<M::Impul
                 (M::Impulse::w(at) - before).dot_product(at.of_p)
             })
         } else {
-            let [product] = self.pull_sums(|at, of_d| {
+            self.pull_sums(|at, _, of_d| {
                 at.u -= of_d;
-                [at.product()]
-            });
-            product
+                [at.product(), 0.0]
+            })
         }
     }
 

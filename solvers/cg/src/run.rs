@@ -75,9 +75,9 @@ impl<P: Products<I>, I: Law> Run<P, I> {
             change(at);
             at.r
         });
-        let [product, squared_size] = self.contacts.pull_sums(|at, of_r| {
-            at.renew(of_r);
-            [at.product(), I::squared_size(at)]
+        let [product, squared_size] = self.contacts.pull_sums(|at, constants, of_r| {
+            at.renew(constants, of_r);
+            [at.product(), I::squared_size(at, constants)]
         });
         self.contacts.set_exact(false);
         self.size = squared_size.sqrt();
@@ -93,15 +93,19 @@ impl<P: Products<I>, I: Law> Run<P, I> {
     fn step(&mut self, length: f64) -> [f64; 2] {
         let is_due = self.iterations.is_multiple_of(WHOLE);
         let [mut product, mut uphill, added] = self.contacts.pull_and_push(Step(length));
-        if !is_due && (added > 0.0 || !I::MINIMISES) {
+        let mut of_d = 0.0;
+        if is_due {
+            if added > 0.0 {
+                of_d = self.contacts.curvature();
+            }
+            product = self.renew(|_| {});
+        } else if added > 0.0 || !I::MINIMISES {
             self.products += u64::from(!I::MINIMISES);
-            product = self.contacts.correct();
+            [product, of_d] = self.contacts.correct();
         }
-        if added > 0.0 && I::MINIMISES {
-            // −uᵗ d + ½ dᵗ W d
-            uphill += 0.5 * self.contacts.curvature();
-        }
-        [if is_due { self.renew(|_| {}) } else { product }, uphill]
+        // −uᵗ d + ½ dᵗ W d
+        uphill += 0.5 * of_d;
+        [product, uphill]
     }
 
     /// Reports whether uᵗ p is round-off: where p = w, no step can make q less.

@@ -10,11 +10,10 @@ mod coulomb;
 mod signorini;
 
 use contact::Vector;
-use product::At;
+use product::{At, Pulled};
 
-/// A contact: all in the units of the product, the normal part first, then one tangential part in the plane and two in space.
+/// State of a contact: all in the units of the product, the normal part first, then one tangential part in the plane and two in space.
 pub struct State<I: Law> {
-    pub(crate) b: I,
     pub(crate) r: I,
     /// u = −(W r + b).
     pub(crate) u: I,
@@ -23,6 +22,13 @@ pub struct State<I: Law> {
     /// (W p)_α.
     pub(crate) of_p: I,
     pub(crate) status: I::Status,
+}
+
+/// Constants of a contact, in the same units.
+pub struct Constants<I> {
+    pub(crate) b: I,
+    /// `W_αα`.
+    pub(crate) diagonal: I,
 }
 
 /// A law of contact, by the impulse that it admits: how it projects a step, and which parts of a gradient it blocks.
@@ -34,7 +40,7 @@ pub trait Law: Vector {
     /// in a step.
     const MINIMISES: bool;
 
-    /// Returns the status of an impulse r in the `unit` of its contact, with μ and the diagonal `W_αα` of the problem.
+    /// Returns the status of an impulse r in the `unit` of its contact, with μ of the problem, and `W_αα` in the unit.
     fn status(r: Self, friction: f64, diagonal: Self, unit: Self) -> Self::Status;
 
     /// r ← r + α p + d, admissible, where u is the gradient before the step. Returns d, unless it is 0.
@@ -50,7 +56,7 @@ pub trait Law: Vector {
     fn left(at: &State<Self>) -> f64;
 
     /// Returns the squared size of the terms of u, where the law does not block it; 0 where nothing is minimised.
-    fn squared_size(_: &State<Self>) -> f64 {
+    fn squared_size(_: &State<Self>, _: &Constants<Self>) -> f64 {
         0.0
     }
 
@@ -65,10 +71,12 @@ pub trait Law: Vector {
 
 impl<I: Law> State<I> {
     /// A contact of the problem, with its b (m/s), r (N·s), μ (–), `diagonal` `W_αα` (1/kg) and `unit` (kg^-½, or 1).
-    pub fn new(b: I, r: I, friction: f64, diagonal: I, unit: I) -> Self {
+    pub fn new(b: I, r: I, friction: f64, diagonal: I, unit: I) -> (Self, Constants<I>) {
         let r = r.with(unit, |r, unit| r * unit);
+        let b = b.with(unit, |b, unit| b / unit);
+        let diagonal = diagonal.with(unit, |diagonal, unit| diagonal / (unit * unit));
         let status = I::status(r, friction, diagonal, unit);
-        Self { b: b.with(unit, |b, unit| b / unit), r, u: I::ZERO, p: I::ZERO, of_p: I::ZERO, status }
+        (Self { r, u: I::ZERO, p: I::ZERO, of_p: I::ZERO, status }, Constants { b, diagonal })
     }
 
     /// r.
@@ -78,8 +86,8 @@ impl<I: Law> State<I> {
 
     /// u = −(W r + b), from (W r)_α.
     #[inline]
-    pub(crate) fn renew(&mut self, of_r: I) {
-        self.u = -(of_r + self.b);
+    pub(crate) fn renew(&mut self, constants: &Constants<I>, of_r: I) {
+        self.u = -(of_r + constants.b);
     }
 
     /// The term of wᵗ W p.
@@ -91,24 +99,23 @@ impl<I: Law> State<I> {
 
 /// A step along p, of the length α: r ← r + α p + d, and u as if d were 0. Gives d, unless it is 0, and, where q is minimised, the terms of
 /// wᵗ W p, of −uᵗ d and of the number of d.
+#[derive(Clone, Copy)]
 pub(crate) struct Step(pub(crate) f64);
 
-impl<I: Law> At<State<I>, I, (Option<I>, [f64; 3])> for Step {
+impl<I: Law> At<State<I>, I, Pulled<I>> for Step {
     #[inline(always)]
-    fn at(&self, at: &mut State<I>, of_p: I) -> (Option<I>, [f64; 3]) {
+    fn at(&self, at: &mut State<I>, of_p: I) -> Pulled<I> {
         let d = I::step(at, self.0);
         at.of_p = of_p;
         at.u -= of_p * self.0;
-        let terms = match d {
-            _ if !I::MINIMISES => [0.0; 3],
-            Some(d) => [at.product(), -at.u.dot_product(d), 1.0],
-            None => [at.product(), 0.0, 0.0],
-        };
-        (d, terms)
+        let if_minimised = |term: f64| if I::MINIMISES { term } else { 0.0 };
+        let terms = |d: I| [if_minimised(-at.u.dot_product(d)), if_minimised(1.0)];
+        Pulled { next: d.map(|d| (d, terms(d))), term: if_minimised(at.product()) }
     }
 }
 
 /// The next direction p = w + β z. Gives p, and the terms of uᵗ p and pᵗ p.
+#[derive(Clone, Copy)]
 pub(crate) struct Turn(pub(crate) f64);
 
 impl<I: Law> At<State<I>, (), (I, [f64; 2])> for Turn {

@@ -26,16 +26,9 @@ impl Default for Gradient {
     }
 }
 
-/// Data of a contact.
-struct Contact {
-    /// b (m/s).
-    b: f64,
-    /// r (N·s).
-    r: f64,
-}
-
 struct Run<const D: usize> {
-    product: Product<Contact, Smooth<D>>,
+    /// At each contact r (N·s) and b (m/s).
+    product: Product<f64, f64, Smooth<D>>,
     /// ρ (kg).
     step: f64,
     products: u64,
@@ -45,13 +38,13 @@ impl<const D: usize> Iteration for Run<D> {
     fn advance(&mut self) {
         // v = W r + b, the gradient of q;  r = max(0, r − ρ v)
         let step = self.step;
-        self.product.push(|at| at.r);
-        self.product.pull(|at, of_r| at.r = law::non_negative(at.r - step * (of_r + at.b)));
+        self.product.push(|r| *r);
+        self.product.pull(|r, b, of_r| *r = law::non_negative(*r - step * (of_r + b)));
         self.products += 1;
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        self.product.impulses(|at| at.r, r);
+        self.product.impulses(|r| *r, r);
     }
 
     fn work(&self) -> Work {
@@ -68,7 +61,7 @@ impl<const D: usize> Solver<Smooth<D>> for Gradient {
         SetupError::unless_positive("step", self.step)?;
         let (b, greatest) = (problem.b(), delassus_bound(problem));
         Ok(Box::new(Run {
-            product: Product::new(problem, false, |contact, _| Contact { b: b[contact], r: r0[contact] })?,
+            product: Product::new(problem, false, |contact, _| (r0[contact], b[contact]))?,
             // Without contacts there is no step to make.
             step: if greatest > 0.0 { self.step / greatest } else { 0.0 },
             products: 0,

@@ -1,16 +1,17 @@
 //! Products with a stored W, for the conjugate gradient.
 
 use crate::LocalProblem;
-use cg::{Products, State};
+use cg::{Constants, Products, State};
 use contact::Vector;
 use nalgebra::SVector;
-use product::{At, add, sum_apart};
+use product::{At, Pulled, add, sum_apart};
 
 /// The contacts of a problem in units of their own: √`w_n` r and v/√`w_n` in the place of r and v, likewise along the tangents; or in 1.
 pub(crate) struct Stored<'p, const D: usize> {
     problem: &'p LocalProblem,
     unit: Vec<SVector<f64, D>>,
     states: Vec<State<SVector<f64, D>>>,
+    constants: Vec<Constants<SVector<f64, D>>>,
     /// p in the units, the impulses that it stands for (N·s), and W p in the units, where it has been made.
     p: Vec<SVector<f64, D>>,
     impulses: Vec<SVector<f64, D>>,
@@ -27,9 +28,9 @@ impl<'p, const D: usize> Stored<'p, D> {
             let (q, weight) = (SVector::at(problem.q(), contact), problem.weight(contact));
             State::new(q, none, problem.friction()[contact], weight, *unit)
         };
-        let states = unit.iter().enumerate().map(state).collect();
+        let (states, constants) = unit.iter().enumerate().map(state).unzip();
         let none = vec![none; unit.len()];
-        Self { problem, states, p: none.clone(), impulses: none.clone(), of_p: none, unit }
+        Self { problem, states, constants, p: none.clone(), impulses: none.clone(), of_p: none, unit }
     }
 
     /// Λ ≥ λmax in these units: Gershgorin's circles.
@@ -79,21 +80,24 @@ impl<const D: usize> Products<SVector<f64, D>> for Stored<'_, D> {
 
     fn pull_sums<const N: usize>(
         &mut self,
-        take: impl Fn(&mut State<SVector<f64, D>>, SVector<f64, D>) -> [f64; N] + Sync,
+        take: impl Fn(&mut State<SVector<f64, D>>, &Constants<SVector<f64, D>>, SVector<f64, D>) -> [f64; N]
+        + Copy
+        + Sync,
     ) -> [f64; N] {
-        let contacts = self.states.iter_mut().zip(&self.of_p);
-        contacts.fold([0.0; N], |sums, (at, of_p)| add(sums, take(at, *of_p)))
+        let contacts = self.states.iter_mut().zip(&self.constants).zip(&self.of_p);
+        contacts.fold([0.0; N], |sums, ((at, constants), of_p)| add(sums, take(at, constants, *of_p)))
     }
 
-    fn pull_and_push<const N: usize>(
+    fn pull_and_push(
         &mut self,
-        take: impl At<State<SVector<f64, D>>, SVector<f64, D>, (Option<SVector<f64, D>>, [f64; N])>,
-    ) -> [f64; N] {
-        let mut sums = [0.0; N];
+        take: impl At<State<SVector<f64, D>>, SVector<f64, D>, Pulled<SVector<f64, D>>>,
+    ) -> [f64; 3] {
+        let mut sums = [0.0; 3];
         for ((at, own), of_p) in self.states.iter_mut().zip(&mut self.p).zip(&self.of_p) {
-            let (p, terms) = take.at(at, *of_p);
-            *own = p.unwrap_or_else(SVector::zeros);
-            sums = add(sums, terms);
+            let pulled = take.at(at, *of_p);
+            let (p, [first, second]) = pulled.next.unwrap_or((SVector::zeros(), [0.0; 2]));
+            *own = p;
+            sums = add(sums, [pulled.term, first, second]);
         }
         self.multiply();
         sums

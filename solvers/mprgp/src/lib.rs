@@ -38,7 +38,7 @@ use contact::{Iteration, Packing, SetupError, Smooth, Solver, Work, law};
 use product::Product;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use state::Contact;
+use state::{Constants, Contact};
 
 /// Step taken where the conjugate step would make impulses negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
@@ -86,7 +86,7 @@ const WHOLE: u64 = 16;
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 struct Run<const D: usize> {
-    product: Product<Contact, Smooth<D>>,
+    product: Product<Contact, Constants, Smooth<D>>,
     expansion: Expansion,
     gamma: f64,
     /// ᾱ, and ᾱ (1 − s/2).
@@ -115,11 +115,12 @@ impl<const D: usize> Run<D> {
         let inverse_step = 1.0 / self.step;
         self.products += 1;
         self.product.push(|at| at.r);
-        let [squared_size, free, chopped] = self.product.pull_sums(|at, of_r| {
-            at.u = -(of_r + at.b);
-            let pressed = at.diagonal * at.r;
+        let [squared_size, free, chopped] = self.product.pull_sums(|at, constants, of_r| {
+            let Constants { b, diagonal } = constants;
+            at.u = -(of_r + b);
+            let pressed = diagonal * at.r;
             let is_blocked = !(at.r > 0.0 || at.u > 0.0);
-            let squared_size = if is_blocked { 0.0 } else { at.b * at.b + pressed * pressed };
+            let squared_size = if is_blocked { 0.0 } else { b * b + pressed * pressed };
             let [free, chopped] = at.split(inverse_step);
             [squared_size, free, chopped]
         });
@@ -144,7 +145,7 @@ impl<const D: usize> Run<D> {
     /// r = max(0, r + α p), and u as if the maximum added nothing; returns φᵗ W p and how much it added.
     fn advance_along(&mut self, length: f64) -> [f64; 2] {
         let inverse_step = 1.0 / self.step;
-        let [product, free, chopped, added] = self.product.pull_sums(|at, of_p| {
+        let [product, free, chopped, added] = self.product.pull_sums(|at, _, of_p| {
             (at.r_before, at.u_before) = (at.r, at.u);
             at.r = law::non_negative(at.r + length * at.p);
             at.u -= length * of_p;
@@ -160,11 +161,10 @@ impl<const D: usize> Run<D> {
         // −uᵗ d + ½ dᵗ W d
         let uphill = -self.product.sum_of(|at| at.u * at.added(length));
         self.product.push_few(|at| at.added(length));
-        self.product.pull_around(|at, of_d| {
+        let [_, curvature] = self.product.pull_around(|at, of_d| {
             at.u -= of_d;
             0.0
         });
-        let curvature = self.product.curvature();
         let inverse_step = 1.0 / self.step;
         [self.free, self.chopped] = self.product.sums_of(|at| at.split(inverse_step));
         uphill + 0.5 * curvature
@@ -262,14 +262,10 @@ impl<const D: usize> Solver<Smooth<D>> for Mprgp {
         let scaled = self.preconditioner == Preconditioner::Diagonal;
         let greatest = if scaled { scaled_delassus_bound(problem) } else { delassus_bound(problem) };
         let step = if greatest > 0.0 { self.step / greatest } else { 0.0 };
-        let contact = |contact: usize, unit: f64| Contact {
-            b: b[contact] / unit,
-            diagonal: diagonal[contact] / (unit * unit),
-            r: r0[contact] * unit,
-            u: 0.0,
-            p: 0.0,
-            r_before: 0.0,
-            u_before: 0.0,
+        let contact = |contact: usize, unit: f64| {
+            let constants = Constants { b: b[contact] / unit, diagonal: diagonal[contact] / (unit * unit) };
+            let r = r0[contact] * unit;
+            (Contact { r, u: 0.0, p: 0.0, r_before: 0.0, u_before: 0.0 }, constants)
         };
         let mut run = Run {
             product: Product::new(problem, scaled, contact)?.with_neighbours(),

@@ -1,12 +1,9 @@
-//! State of a contact, and the split of u = −(W r + b) there.
+//! State and constants of a contact, and the split of u = −(W r + b) there.
 
 use contact::law;
 
 /// State of a contact. With the preconditioner, the unknowns are scaled by it.
 pub(crate) struct Contact {
-    pub(crate) b: f64,
-    /// `W_αα`.
-    pub(crate) diagonal: f64,
     pub(crate) r: f64,
     /// u = −(W r + b).
     pub(crate) u: f64,
@@ -15,6 +12,13 @@ pub(crate) struct Contact {
     /// r and u before the last step.
     pub(crate) r_before: f64,
     pub(crate) u_before: f64,
+}
+
+/// Constants of a contact, in the same unknowns.
+pub(crate) struct Constants {
+    pub(crate) b: f64,
+    /// `W_αα`.
+    pub(crate) diagonal: f64,
 }
 
 impl Contact {

@@ -32,19 +32,20 @@ pub enum Preconditioner {
     Diagonal,
 }
 
-/// Products with W, and a state of type `C` at each contact: what a method knows of it, its p among it.
+/// Products with W, and at each contact a state of type `C`, which passes change, its p among it, and constants of type `K`, its b among
+/// them: they are read only where they are asked for.
 ///
 /// With the unit 1, impulses and velocities are r and v. With the unit √`W_αα`, √`W_αα` r and v/√`W_αα` stand in their place: a
 /// method in these unknowns is the one preconditioned by the diagonal of W.
 ///
-/// The states are in double precision. Columns of H and velocities of grains are in double or in single precision, as [`Precision`] says.
-pub struct Product<C, M: Mechanics = Discs> {
+/// States and constants are in double precision. Columns of H and velocities of grains are in double or in single precision, as [`Precision`] says.
+pub struct Product<C, K, M: Mechanics = Discs> {
     layout: Layout<M>,
-    blocks: Vec<Block<C, M>>,
+    blocks: Vec<Block<C, K, M>>,
 }
 
-struct Block<C, M: Mechanics> {
-    contacts: Contacts<C, M>,
+struct Block<C, K, M: Mechanics> {
+    contacts: Contacts<C, K, M>,
     double: Columns<M::Column>,
     single: Columns<Single<M>>,
     /// True while products are made in single precision.
@@ -52,9 +53,10 @@ struct Block<C, M: Mechanics> {
 }
 
 /// Contacts of a block, whatever the precision.
-struct Contacts<C, M: Mechanics> {
+struct Contacts<C, K, M: Mechanics> {
     units: Units<M>,
     states: Vec<C>,
+    constants: Vec<K>,
     /// Contribution of the block to the sums that the last pass was for.
     parts: [f64; SUMS],
     /// The contacts around each grain, where [`Product::pull_around`] is wanted.
@@ -72,16 +74,24 @@ struct Columns<C: Visited> {
 
 /// A function of a contact, for a pass over all: a closure, or a type whose method is inlined for sure. A function that is not inlined
 /// where the processor's instructions are chosen does not get them, and what it returns waits in memory.
-pub trait At<S, X, Y>: Sync {
+pub trait At<S, X, Y>: Copy + Sync {
     /// Returns its value at a contact with this state, for x.
     fn at(&self, state: &mut S, x: X) -> Y;
 }
 
-impl<S, X, Y, F: Fn(&mut S, X) -> Y + Sync> At<S, X, Y> for F {
+impl<S, X, Y, F: Fn(&mut S, X) -> Y + Copy + Sync> At<S, X, Y> for F {
     #[inline(always)]
     fn at(&self, state: &mut S, x: X) -> Y {
         self(state, x)
     }
+}
+
+/// The next p of a contact, unless that is 0, with the terms of two sums over the contacts that have one, and the term of a sum over all.
+pub struct Pulled<I> {
+    /// p, and the terms.
+    pub next: Option<(I, [f64; 2])>,
+    /// The term of the sum over all, which is the first of the three.
+    pub term: f64,
 }
 
 /// As many sums as a pass may be for.
@@ -93,18 +103,18 @@ fn parts<const N: usize>(sums: [f64; N]) -> [f64; SUMS] {
     std::array::from_fn(|k| if k < N { sums[k] } else { 0.0 })
 }
 
-impl<C: Send + Sync, M: Mechanics> Product<C, M> {
-    /// The contacts of `problem`, each with a unit, 1 or √`W_αα` if they are `scaled`; `state` makes what the method knows of
-    /// a contact from its index in the problem and its unit.
+impl<C: Send + Sync, K: Send + Sync, M: Mechanics> Product<C, K, M> {
+    /// The contacts of `problem`, each with a unit, 1 or √`W_αα` if they are `scaled`; `contact` makes the state and the constants of
+    /// one from its index in the problem and its unit.
     ///
     /// # Errors
     /// Those of [`Layout::new`].
     pub fn new(
         problem: &Packing<M>,
         scaled: bool,
-        state: impl Fn(usize, M::Impulse) -> C + Sync,
+        contact: impl Fn(usize, M::Impulse) -> (C, K) + Sync,
     ) -> Result<Self, SetupError> {
-        Ok(Self::over(Layout::new(problem)?, problem, scaled, Precision::Double, state))
+        Ok(Self::over(Layout::new(problem)?, problem, scaled, Precision::Double, contact))
     }
 
     /// Returns the product on the blocks of a layout, whose contacts and grains are those of `problem`.
@@ -113,19 +123,17 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
         problem: &Packing<M>,
         scaled: bool,
         precision: Precision,
-        state: impl Fn(usize, M::Impulse) -> C + Sync,
+        contact: impl Fn(usize, M::Impulse) -> (C, K) + Sync,
     ) -> Self {
         let is_single = precision != Precision::Double;
-        let blocks = layout.blocks(problem, scaled, |units, of_h, subdomain| Block {
-            contacts: Contacts {
-                states: units.each().map(|(contact, unit)| state(contact, unit)).collect(),
-                units,
-                parts: [0.0; SUMS],
-                adjacency: None,
-            },
-            single: Columns::new(of_h.iter().filter(|_| is_single).map(Column::single), subdomain),
-            double: Columns::new(of_h.into_iter().filter(|_| precision != Precision::Single), subdomain),
-            is_single,
+        let blocks = layout.blocks(problem, scaled, |units, of_h, subdomain| {
+            let (states, constants) = units.each().map(|(index, unit)| contact(index, unit)).unzip();
+            Block {
+                contacts: Contacts { units, states, constants, parts: [0.0; SUMS], adjacency: None },
+                single: Columns::new(of_h.iter().filter(|_| is_single).map(Column::single), subdomain),
+                double: Columns::new(of_h.into_iter().filter(|_| precision != Precision::Single), subdomain),
+                is_single,
+            }
         });
         Self { layout, blocks }
     }
@@ -148,7 +156,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     /// First half of the product, y = M^-½ H p: `p` gives the p of each contact. Returns pᵗ p.
-    pub fn push(&mut self, p: impl Fn(&mut C) -> M::Impulse + Sync) -> f64 {
+    pub fn push(&mut self, p: impl Fn(&mut C) -> M::Impulse + Copy + Sync) -> f64 {
         let [squared] = self.push_sums(|at| {
             let p = p(at);
             (p, [p.dot_product(p)])
@@ -159,7 +167,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// [`push`](Self::push), where `p` also gives the terms of sums over the contacts, which take the place of pᵗ p.
     pub fn push_sums<const N: usize>(
         &mut self,
-        p: impl Fn(&mut C) -> (M::Impulse, [f64; N]) + Sync,
+        p: impl Fn(&mut C) -> (M::Impulse, [f64; N]) + Copy + Sync,
     ) -> [f64; N] {
         self.push_by(move |at: &mut C, ()| p(at))
     }
@@ -176,19 +184,16 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     /// Second half of the product of one p, after [`curvature`](Self::curvature), and first half of that of the next: `take` is given (W p)_α
-    /// of each contact, and gives its next p, unless that is 0, and the terms of sums over the contacts.
-    pub fn pull_and_push<const N: usize>(
-        &mut self,
-        take: impl At<C, M::Impulse, (Option<M::Impulse>, [f64; N])>,
-    ) -> [f64; N] {
-        self.send(&PullAndPush::<_, N>(take));
+    /// of each contact, and gives the term of a sum over the contacts, and its next p with the terms of two more, unless that is 0.
+    pub fn pull_and_push(&mut self, take: impl At<C, M::Impulse, Pulled<M::Impulse>>) -> [f64; 3] {
+        self.send(&PullAndPush(take));
         self.sums()
     }
 
-    /// Second half: `take` is given (W p)_α of each contact.
-    pub fn pull(&mut self, take: impl Fn(&mut C, M::Impulse) + Sync) {
-        let [] = self.pull_sums(|at, of_p| {
-            take(at, of_p);
+    /// Second half: `take` is given the constants and (W p)_α of each contact.
+    pub fn pull(&mut self, take: impl Fn(&mut C, &K, M::Impulse) + Copy + Sync) {
+        let [] = self.pull_sums(|at, constants, of_p| {
+            take(at, constants, of_p);
             []
         });
     }
@@ -196,21 +201,21 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     /// [`pull`](Self::pull), where `take` gives the terms of sums over the contacts.
     pub fn pull_sums<const N: usize>(
         &mut self,
-        take: impl Fn(&mut C, M::Impulse) -> [f64; N] + Sync,
+        take: impl Fn(&mut C, &K, M::Impulse) -> [f64; N] + Copy + Sync,
     ) -> [f64; N] {
         self.receive(&Pull(take));
         self.sums()
     }
 
     /// [`pull`](Self::pull) of a p that is 0 at most contacts, of the contacts around the grains with y ≠ 0 alone: `take` is given what each
-    /// of its grains adds to (W p)_α, one after the other, and gives what that adds to the first sum of the pass before. Returns this sum.
+    /// of its grains adds to (W p)_α, one after the other, and gives what that adds to the first sum of the pass before. Returns this sum, and
+    /// pᵗ W p.
     ///
     /// # Panics
     /// If the contacts around the grains are not known: see [`with_neighbours`](Self::with_neighbours).
-    pub fn pull_around(&mut self, take: impl Fn(&mut C, M::Impulse) -> f64 + Sync) -> f64 {
+    pub fn pull_around(&mut self, take: impl Fn(&mut C, M::Impulse) -> f64 + Copy + Sync) -> [f64; 2] {
         self.receive(&PullAround(take));
-        let [sum] = self.sums();
-        sum
+        self.sums()
     }
 
     /// pᵗ W p = |y|² of the p last pushed, without the second half.
@@ -264,7 +269,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     /// A pass over all blocks, each of which then sends what it has of the grains it shares.
-    fn send(&mut self, pass: &impl Pass<C, M>) {
+    fn send(&mut self, pass: &impl Pass<C, K, M>) {
         self.layout.send(&mut self.blocks, |block, sent| {
             Arch::new().dispatch(Dispatched(block, pass));
             let boundary = &block.contacts.units.boundary;
@@ -277,7 +282,7 @@ impl<C: Send + Sync, M: Mechanics> Product<C, M> {
     }
 
     /// A pass before which each block takes the sums of what all have sent.
-    fn receive(&mut self, pass: &impl Pass<C, M>) {
+    fn receive(&mut self, pass: &impl Pass<C, K, M>) {
         self.layout.receive(&mut self.blocks, |block, sums| {
             let boundary = &block.contacts.units.boundary;
             if block.is_single {
@@ -323,15 +328,15 @@ impl<C: Visited> Columns<C> {
 }
 
 /// A pass over the contacts of a block.
-trait Pass<S, M: Mechanics>: Sync {
+trait Pass<S, K, M: Mechanics>: Sync {
     /// Makes the pass, and the sums that it is for.
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>);
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>);
 }
 
 /// Pass that is compiled for the processor's instructions. A closure would not be inlined there.
-struct Dispatched<'b, S, M: Mechanics, P>(&'b mut Block<S, M>, &'b P);
+struct Dispatched<'b, S, K, M: Mechanics, P>(&'b mut Block<S, K, M>, &'b P);
 
-impl<S, M: Mechanics, P: Pass<S, M>> WithSimd for Dispatched<'_, S, M, P> {
+impl<S, K, M: Mechanics, P: Pass<S, K, M>> WithSimd for Dispatched<'_, S, K, M, P> {
     type Output = ();
 
     #[inline(always)]
@@ -343,14 +348,17 @@ impl<S, M: Mechanics, P: Pass<S, M>> WithSimd for Dispatched<'_, S, M, P> {
 
 struct Push<P, const N: usize>(P);
 
-impl<S, M: Mechanics, P: At<S, (), (M::Impulse, [f64; N])>, const N: usize> Pass<S, M> for Push<P, N> {
+impl<S, K, M: Mechanics, P, const N: usize> Pass<S, K, M> for Push<P, N>
+where
+    P: At<S, (), (M::Impulse, [f64; N])>,
+{
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
-        columns.y.fill(C::Velocity::zeroed());
-        let mut sums = [0.0; N];
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>) {
+        let (p, y, mut sums) = (self.0, &mut columns.y[..], [0.0; N]);
+        y.fill(C::Velocity::zeroed());
         for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
-            let (p, terms) = self.0.at(state, ());
-            column.push(C::Impulse::nearest(p), &mut columns.y);
+            let (p, terms) = p.at(state, ());
+            column.push(C::Impulse::nearest(p), y);
             sums = add(sums, terms);
         }
         contacts.parts = parts(sums);
@@ -359,9 +367,9 @@ impl<S, M: Mechanics, P: At<S, (), (M::Impulse, [f64; N])>, const N: usize> Pass
 
 struct PushFew<P>(P);
 
-impl<S: Sync, M: Mechanics, P: Fn(&S) -> M::Impulse + Sync> Pass<S, M> for PushFew<P> {
+impl<S: Sync, K, M: Mechanics, P: Fn(&S) -> M::Impulse + Sync> Pass<S, K, M> for PushFew<P> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>) {
         columns.y.fill(C::Velocity::zeroed());
         for (column, state) in columns.of_h.iter().zip(&contacts.states) {
             let p = (self.0)(state);
@@ -372,37 +380,40 @@ impl<S: Sync, M: Mechanics, P: Fn(&S) -> M::Impulse + Sync> Pass<S, M> for PushF
     }
 }
 
-struct PullAndPush<T, const N: usize>(T);
+struct PullAndPush<T>(T);
 
-impl<S, M: Mechanics, T, const N: usize> Pass<S, M> for PullAndPush<T, N>
-where
-    T: At<S, M::Impulse, (Option<M::Impulse>, [f64; N])>,
-{
+impl<S, K, M: Mechanics, T: At<S, M::Impulse, Pulled<M::Impulse>>> Pass<S, K, M> for PullAndPush<T> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>) {
         columns.next.clear();
         columns.next.resize(columns.y.len(), C::Velocity::zeroed());
-        let mut sums = [0.0; N];
+        let (take, y, next) = (self.0, &columns.y[..], &mut columns.next[..]);
+        let (mut of_all, mut of_next) = (0.0, [0.0; 2]);
         for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
-            let (p, terms) = self.0.at(state, column.relative(&columns.y).double());
-            if let Some(p) = p {
-                column.push(C::Impulse::nearest(p), &mut columns.next);
+            let pulled = take.at(state, column.relative(y).double());
+            if let Some((p, terms)) = pulled.next {
+                column.push(C::Impulse::nearest(p), next);
+                of_next = add(of_next, terms);
             }
-            sums = add(sums, terms);
+            of_all += pulled.term;
         }
         std::mem::swap(&mut columns.y, &mut columns.next);
-        contacts.parts = parts(sums);
+        contacts.parts = parts([of_all, of_next[0], of_next[1]]);
     }
 }
 
 struct Pull<T>(T);
 
-impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> [f64; N] + Sync, const N: usize> Pass<S, M> for Pull<T> {
+impl<S, K, M: Mechanics, T, const N: usize> Pass<S, K, M> for Pull<T>
+where
+    T: Fn(&mut S, &K, M::Impulse) -> [f64; N] + Copy + Sync,
+{
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
-        let mut sums = [0.0; N];
-        for (column, state) in columns.of_h.iter().zip(&mut contacts.states) {
-            sums = add(sums, (self.0)(state, column.relative(&columns.y).double()));
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>) {
+        let (take, y, mut sums) = (self.0, &columns.y[..], [0.0; N]);
+        let Contacts { states, constants, .. } = contacts;
+        for ((column, state), constants) in columns.of_h.iter().zip(states).zip(constants) {
+            sums = add(sums, take(state, constants, column.relative(y).double()));
         }
         contacts.parts = parts(sums);
     }
@@ -410,15 +421,21 @@ impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> [f64; N] + Sync, const N: usi
 
 struct PullAround<T>(T);
 
-impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> f64 + Sync> Pass<S, M> for PullAround<T> {
+impl<S, K, M: Mechanics, T: Fn(&mut S, M::Impulse) -> f64 + Copy + Sync> Pass<S, K, M> for PullAround<T> {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
-        let Contacts { states, parts: [sum, ..], adjacency, .. } = contacts;
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>) {
+        let Contacts { states, units, parts: [sum, squared, ..], adjacency, .. } = contacts;
         let Some(adjacency) = adjacency else { panic!("the contacts around the grains are not known") };
-        for (grain, y) in columns.y.iter().enumerate().filter(|(_, y)| **y != C::Velocity::zeroed()) {
-            for k in adjacency.around(grain) {
-                let of_p = columns.of_h[*k as usize].relative_of(grain as u32, *y);
-                *sum += (self.0)(&mut states[*k as usize], of_p.double());
+        let take = self.0;
+        *squared = 0.0;
+        for (grain, (y, share)) in columns.y.iter().zip(&units.share).enumerate() {
+            if *y != C::Velocity::zeroed() {
+                let double = y.double();
+                *squared += share * double.dot_product(double);
+                for k in adjacency.around(grain) {
+                    let of_p = columns.of_h[*k as usize].relative_of(grain as u32, *y);
+                    *sum += take(&mut states[*k as usize], of_p.double());
+                }
             }
         }
     }
@@ -426,9 +443,9 @@ impl<S, M: Mechanics, T: Fn(&mut S, M::Impulse) -> f64 + Sync> Pass<S, M> for Pu
 
 struct Square;
 
-impl<S, M: Mechanics> Pass<S, M> for Square {
+impl<S, K, M: Mechanics> Pass<S, K, M> for Square {
     #[inline(always)]
-    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, M>) {
+    fn make<C: VisitedIn<M>>(&self, columns: &mut Columns<C>, contacts: &mut Contacts<S, K, M>) {
         let squared = |(y, share): (&C::Velocity, &f64)| {
             let y = y.double();
             share * y.dot_product(y)

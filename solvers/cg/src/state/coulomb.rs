@@ -101,7 +101,7 @@ impl<const D: usize> Law for SVector<f64, D> {
     fn status(r: Self, friction: f64, diagonal: Self, unit: Self) -> Coulomb<D> {
         let friction = friction * (unit[D - 1] / unit[0]);
         let (_, contact) = admitted(friction, r, false, tangent());
-        Coulomb { friction, weight: diagonal[D - 1] / (unit[D - 1] * unit[D - 1]), contact }
+        Coulomb { friction, weight: diagonal[D - 1], contact }
     }
 
     /// A contact that slid, and that no direction moves into its cone, stays on the boundary: else it would come to lie inside, only

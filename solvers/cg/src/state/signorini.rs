@@ -1,16 +1,7 @@
 //! Without friction: r ≥ 0, and min over it of q(r).
 
-use super::{Law, State};
+use super::{Constants, Law, State};
 use contact::law::non_negative;
-
-/// Numbers by which a step is undone, and round-off of u is measured.
-#[derive(Clone, Copy)]
-pub struct Normal {
-    /// r before the step.
-    before: f64,
-    /// `W_αα`.
-    diagonal: f64,
-}
 
 /// Returns `value` where r > 0 or u > 0, so that r ≥ 0 does not block it; else 0.
 #[inline]
@@ -20,17 +11,18 @@ fn unblocked(at: &State<f64>, value: f64) -> f64 {
 }
 
 impl Law for f64 {
-    type Status = Normal;
+    /// r before the step.
+    type Status = f64;
 
     const MINIMISES: bool = true;
 
-    fn status(r: Self, _: f64, diagonal: Self, unit: Self) -> Normal {
-        Normal { before: r, diagonal: diagonal / (unit * unit) }
+    fn status(r: Self, _: f64, _: Self, _: Self) -> f64 {
+        r
     }
 
     #[inline]
     fn step(at: &mut State<Self>, length: f64) -> Option<Self> {
-        at.status.before = at.r;
+        at.status = at.r;
         let moved = at.r + length * at.p;
         at.r = non_negative(moved);
         (moved < 0.0).then_some(-moved)
@@ -53,9 +45,10 @@ impl Law for f64 {
     }
 
     #[inline]
-    fn squared_size(at: &State<Self>) -> f64 {
-        let pressed = at.status.diagonal * at.r;
-        unblocked(at, at.b * at.b + pressed * pressed)
+    fn squared_size(at: &State<Self>, constants: &Constants<Self>) -> f64 {
+        let Constants { b, diagonal } = constants;
+        let pressed = diagonal * at.r;
+        unblocked(at, b * b + pressed * pressed)
     }
 
     fn reach(at: &State<Self>) -> f64 {
@@ -63,6 +56,6 @@ impl Law for f64 {
     }
 
     fn withdraw(at: &mut State<Self>) {
-        at.r = at.status.before;
+        at.r = at.status;
     }
 }
