@@ -6,7 +6,7 @@ mod common;
 use cases::Frozen;
 use cg::Cg;
 use contact::acceleration::Acceleration;
-use contact::sweep::Row;
+use contact::visit::Row;
 use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Solver, Spheres};
 use nsgs::Nsgs;
 use std::hint::black_box;

@@ -3,7 +3,7 @@
 use crate::problems::{
     PACKINGS, any_problem, assert_never_increases, difference, energies, frozen, impulses, start,
 };
-use contact::{Adjacency, Packing, Solver};
+use contact::{Packing, Solver};
 use gradient::Gradient;
 use nalgebra::{Vector2, Vector3};
 use nsgs::{Nsgs, Order};
@@ -28,7 +28,7 @@ fn assert_is_a_partition(problem: &Packing, partition: &Partition) {
     );
 
     let boundary_grains = decomposition.boundary.len();
-    assert_eq!(partition.cut(&Adjacency::of(problem)), decomposition.copy_count() - boundary_grains);
+    assert_eq!(partition.cut(&problem.adjacency()), decomposition.copy_count() - boundary_grains);
 
     // The masses M_i/m_i of the copies, found by walking through the subdomains, sum to the grain's.
     let mut mass = vec![0.0; problem.grain_count()];

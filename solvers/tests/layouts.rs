@@ -2,9 +2,9 @@
 
 use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, packing, start};
 use cg::{Cg, Preconditioner};
-use contact::scaled::{ScaledContact, by_levels, scaled_velocity};
 use contact::sweep::Sweep;
 use contact::{Column, Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Spheres, Vector, Visited, law};
+use contact::{ScaledContact, by_levels};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;
@@ -35,7 +35,7 @@ fn sweeps_by_levels_give_the_bits_of_sweeps_in_the_order_of_the_list() {
             let settings = Nsgs { order, ..Nsgs::default() };
             let mut by_levels = start(&settings, &problem);
             let mut s = vec![0.0; problem.contact_count()];
-            let mut y = scaled_velocity(&problem, &s);
+            let mut y = problem.scaled_velocity(&s);
             for _ in 0..50 {
                 by_levels.advance();
                 plain_sweep(&problem, &order.of(&problem, settings.seed), &mut s, &mut y);

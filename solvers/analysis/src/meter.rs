@@ -5,7 +5,8 @@
 mod partial;
 
 use crate::infeasible::Proof;
-use contact::gauge::{BLOCK, Gauge, Sums};
+use contact::mechanics::Gauge;
+use contact::sums::{BLOCK, Sums};
 use contact::{ContactProblem, Measures, Mechanics, Touch, Truth, Vector, law, ratio, threads};
 use partition::{self, CopySums, Share, Team};
 
@@ -138,7 +139,13 @@ impl<'p, M: Mechanics> Meter<'p, M> {
     /// Prepares the measures on one machine.
     pub fn new(problem: &'p ContactProblem<M>) -> Self {
         let (contacts, grains) = (problem.contacts(), problem.grain_count());
-        let gauge = M::Gauge::new(problem, contacts.iter().map(Touch::ends).enumerate(), 0..grains);
+        let gauge = M::Gauge::new(
+            problem.mass(),
+            problem.free_velocity(),
+            problem.contacts(),
+            contacts.iter().map(Touch::ends).enumerate(),
+            0..grains,
+        );
         let part = Part::new(gauge, None, contacts.len(), vec![1.0; grains]);
         Self {
             problem,
@@ -159,7 +166,13 @@ impl<'p, M: Mechanics> Meter<'p, M> {
         let (b, w) = (problem.b(), problem.delassus_diagonal());
         let part = |e: &partition::Subdomain| {
             let contacts = e.contacts.iter().map(|k| *k as usize).zip(e.ends.iter().copied());
-            let gauge = M::Gauge::new(problem, contacts, e.grains.iter().map(|grain| *grain as usize));
+            let gauge = M::Gauge::new(
+                problem.mass(),
+                problem.free_velocity(),
+                problem.contacts(),
+                contacts,
+                e.grains.iter().map(|grain| *grain as usize),
+            );
             let multiplicity = |grain: &u32| f64::from(share.decomposition.multiplicity[*grain as usize]);
             let weight = e.grains.iter().map(|grain| 1.0 / multiplicity(grain)).collect();
             let part = Part::new(gauge, Some(e.contacts.clone()), e.contacts.len(), weight);
@@ -280,7 +293,8 @@ impl<'p, M: Mechanics> Meter<'p, M> {
         let nanoseconds = self.copies.as_ref().map_or(0, |_| NS_PER_CONTACT * self.problem.contact_count());
         threads::each(&mut self.parts, nanoseconds, &|_, part| part.pull(iterates, alone));
         let of_part = |part: &Part<M>| {
-            let mut sums = Sums { velocity_jump, ..Sums::default() };
+            let mut sums = Sums::default();
+            sums.velocity_jump = velocity_jump;
             sums.join(&part.sums, |k| self.number(part, k));
             sums
         };
@@ -288,11 +302,11 @@ impl<'p, M: Mechanics> Meter<'p, M> {
             return of_part(part);
         }
         let joined = |a, b| {
-            let mut sums = Sums::from(a);
-            sums.join(&Sums::from(b), |k| k);
-            sums.into()
+            let mut sums = Sums::of(a);
+            sums.join(&Sums::of(b), |k| k);
+            sums.numbers()
         };
-        self.team.join(self.parts.iter().map(|part| of_part(part).into()), joined).into()
+        Sums::of(self.team.join(self.parts.iter().map(|part| of_part(part).numbers()), joined))
     }
 
     /// The whole problem's number of a contact of a part.

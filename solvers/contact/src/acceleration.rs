@@ -24,8 +24,8 @@
 
 use crate::error::SetupError;
 use crate::lanes::Number;
-use crate::mechanics::{Mechanics, Numbers, Vector, Visited, VisitedIn};
-use crate::sweep::Sweep;
+use crate::vector::{Numbers, Vector};
+use crate::visit::Visited;
 use bytemuck::{cast_slice, cast_slice_mut};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -274,58 +274,5 @@ impl<C: Visited> Trail<C> {
     /// Returns |g|² and ⟨g, d⟩ of the iteration (J).
     pub fn sums(&self) -> [f64; 2] {
         self.impulses.sums()
-    }
-}
-
-/// Acceleration of the iterations of one sweep.
-pub struct Accelerated<C: Visited> {
-    momentum: Momentum,
-    trail: Trail<C>,
-    restarts: u64,
-}
-
-impl<C: Visited> Accelerated<C> {
-    /// The acceleration of iterations that begin where `sweep` is.
-    pub fn new<M: Mechanics>(momentum: Momentum, sweep: &Sweep<M, C>) -> Self
-    where
-        C: VisitedIn<M>,
-    {
-        let momentum = momentum.of_problem(M::HAS_FRICTION);
-        Self { momentum, trail: sweep.trail(sweep.without_impulses()), restarts: 0 }
-    }
-
-    /// Makes an `iteration`, which extrapolates and judges by the trail.
-    pub fn iterate<M: Mechanics>(
-        &mut self,
-        sweep: &mut Sweep<M, C>,
-        iteration: impl FnOnce(&mut Sweep<M, C>, &mut Trail<C>),
-    ) where
-        C: VisitedIn<M>,
-    {
-        let Self { momentum, trail, restarts } = self;
-        if momentum.has_restarted() {
-            sweep.renew(trail);
-            *restarts += 1;
-        }
-        trail.begin(momentum.factor());
-        iteration(sweep, trail);
-        momentum.turn(trail.sums());
-    }
-
-    /// Makes velocities anew, see [`Sweep::refine`], and those of x with them.
-    pub fn refine<M: Mechanics>(&mut self, sweep: &mut Sweep<M, C>)
-    where
-        C: VisitedIn<M>,
-    {
-        if sweep.renewal.is_some() {
-            let before = sweep.y.clone();
-            sweep.refine();
-            self.trail.shift(&before, &sweep.y);
-        }
-    }
-
-    /// Returns the products with W made so far: H r at each restart, half of one.
-    pub fn delassus_products(&self) -> u64 {
-        self.restarts.div_ceil(2)
     }
 }

@@ -1,9 +1,12 @@
 //! Discs and spheres without friction: a grain translates, a contact has one unknown, and 0 ≤ v ⊥ r ≥ 0.
 
+mod gauge;
+
 use crate::error::{is_not_negative, is_positive};
-use crate::gauge::Plain;
-use crate::mechanics::{Mass, Mechanics, Touch};
+use crate::law;
+use crate::mechanics::{Column, Mass, Mechanics, Touch};
 use crate::scaled::ScaledContact;
+use gauge::Plain;
 use nalgebra::SVector;
 
 /// Grains without friction, in D dimensions.
@@ -105,6 +108,29 @@ impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
 
     fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
         None
+    }
+}
+
+impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
+    type Single = ScaledContact<D, f32>;
+
+    fn new(
+        contact: &Contact<D>,
+        places: (u32, Option<u32>),
+        inverse_mass: impl Fn(u32) -> f64,
+        scaled: bool,
+    ) -> (Self, f64) {
+        let inverse = [inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, &inverse_mass)];
+        Self::new(places, contact.normal, inverse, scaled)
+    }
+
+    fn single(&self) -> ScaledContact<D, f32> {
+        Self::single(self)
+    }
+
+    #[inline]
+    fn residual(&self, s: f64, v: f64) -> f64 {
+        -law::change(s, v, 1.0)
     }
 }
 

@@ -1,7 +1,5 @@
 //! Errors of a refused problem, setting or start: the key, the value, what would be accepted.
 
-use crate::mechanics::{Mechanics, Touch, Vector};
-use crate::problem::ContactProblem;
 use thiserror::Error;
 
 /// Why a contact problem makes no sense. Keys are those of the frozen problem file.
@@ -134,26 +132,5 @@ impl SetupError {
     /// Names `key` otherwise.
     pub fn unless_not_negative(key: &'static str, value: f64) -> Result<(), Self> {
         Self::unless(is_not_negative(value), key, value, "finite and not negative")
-    }
-
-    /// Accepts a warm start with one admissible impulse per contact.
-    ///
-    /// # Errors
-    /// Names the first impulse that is not.
-    pub fn unless_admissible<M: Mechanics>(problem: &ContactProblem<M>, r0: &[f64]) -> Result<(), Self> {
-        let (found, expected) = (r0.len() / M::Impulse::LEN, problem.contact_count());
-        let all = format!("of one impulse per contact, {expected} in all");
-        Self::unless(r0.len() == problem.impulse_count(), "start", format!("{found} impulses"), all)?;
-        for (index, contact) in problem.contacts().iter().enumerate() {
-            let r = M::Impulse::at(r0, index);
-            if !(r.is_finite() && contact.is_admissible(r)) {
-                return Err(Self::new(
-                    "start",
-                    format!("{} at contact {index}", r.text()),
-                    M::Contact::ADMISSIBLE,
-                ));
-            }
-        }
-        Ok(())
     }
 }

@@ -1,66 +1,131 @@
-//! Kernels of measures: what an iterate does to the grains, and the sums over contacts that its measures are computed from.
+//! Kernel of measures of any mechanics, contact by contact in mass-scaled unknowns: the velocities that an iterate gives to the grains, and
+//! the sums over contacts from which its measures are computed.
 //!
 //! The velocity y that impulses r add to the grains has the unit of the kernel: m/s, or √J where grains are mass-scaled. Impulses are
 //! added up at each grain in the order of the contacts, whether contacts push one after the other or each grain gathers its own: the
 //! operations and their order are the same with any number of threads, and a contact that is evaluated alone has the bits that it has
 //! among all.
 
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined where the processor's instructions are chosen does not get them"
-)]
-
-mod columns;
-mod lanes;
-mod sums;
-
-use crate::mechanics::Mechanics;
-use crate::problem::ContactProblem;
+use crate::adjacency::Adjacency;
+use crate::law::greatest;
+use crate::mechanics::{Column, Ends, Gauge, Mass, Mechanics, Touch};
+use crate::sums::Sums;
+use crate::vector::Vector;
+use crate::visit::Visited;
 use std::ops::Range;
 
-pub use columns::Scaled;
-pub use lanes::Plain;
-pub use sums::{Sums, ratio, zeta};
+/// Mass-scaled columns of H̃ with the constants of their contacts. Its y is M^½ (V − `V_free`) (√J).
+pub struct Scaled<M: Mechanics> {
+    columns: Vec<M::Column>,
+    /// √`W_αα` (kg^-½).
+    unit: Vec<M::Impulse>,
+    /// b/√`W_αα` (√J).
+    b: Vec<M::Impulse>,
+    adjacency: Adjacency,
+}
 
-/// Contacts, or grains, that are summed up together, then block by block, so that the number of threads changes no bit.
-pub const BLOCK: usize = 8192;
+/// Component by component.
+#[inline]
+fn times<V: Vector>(a: V, b: V) -> V {
+    a.with(b, |a, b| a * b)
+}
 
-/// Places of the candidate and the antagonist of a contact among the grains of a gauge; `None` for a wall.
-pub type Ends = (u32, Option<u32>);
+fn squared<V: Vector>(x: V) -> f64 {
+    x.dot_product(x)
+}
 
-/// Kernel of the measures of some contacts of a problem, between some grains: a subdomain, or all.
-pub trait Gauge<M: Mechanics>: Sized + Send + Sync {
-    /// Takes some `contacts` of the problem, each by its index and its ends among the `grains`, given by their indices.
+impl<M: Mechanics> Scaled<M> {
+    /// s = √`W_αα` r of a contact (√J).
+    #[inline]
+    fn s(&self, contact: usize, r: &[f64]) -> M::Impulse {
+        times(M::Impulse::at(r, contact), self.unit[contact])
+    }
+}
+
+impl<M: Mechanics> Gauge<M> for Scaled<M> {
     fn new(
-        problem: &ContactProblem<M>,
+        mass: &[M::Mass],
+        free_velocity: &[M::Velocity],
+        of: &[M::Contact],
         contacts: impl Iterator<Item = (usize, Ends)> + Clone,
         grains: impl ExactSizeIterator<Item = usize>,
-    ) -> Self;
+    ) -> Self {
+        let inverse_mass = |grain: u32| mass[grain as usize].inverse(1.0);
+        let column = |(k, ends)| M::Column::new(&of[k], ends, inverse_mass, true);
+        let (columns, unit): (Vec<_>, Vec<M::Impulse>) = contacts.clone().map(column).unzip();
+        let scaled = |((k, _), unit): ((usize, Ends), &M::Impulse)| {
+            let contact = &of[k];
+            (contact.relative(free_velocity) + contact.offset()).with(*unit, |b, unit| b / unit)
+        };
+        Self {
+            b: contacts.clone().zip(&unit).map(scaled).collect(),
+            adjacency: Adjacency::new(contacts.map(|(_, ends)| ends), grains.len()),
+            columns,
+            unit,
+        }
+    }
 
-    /// Length of y: the grains, and a wall if the kernel has a place for it.
-    fn places(&self) -> usize;
+    fn places(&self) -> usize {
+        self.adjacency.grain_count()
+    }
 
-    /// Computes y from the impulses `r` (N·s).
-    fn push(&self, r: &[f64], y: &mut [M::Velocity]);
+    fn push(&self, r: &[f64], y: &mut [M::Velocity]) {
+        y.fill(M::Velocity::ZERO);
+        self.columns.iter().enumerate().for_each(|(k, column)| column.push(self.s(k, r), y));
+    }
 
-    /// Returns y of one place alone.
-    fn gather(&self, place: usize, r: &[f64]) -> M::Velocity;
+    fn gather(&self, place: usize, r: &[f64]) -> M::Velocity {
+        let pushed = |contact: &u32| {
+            let column = &self.columns[*contact as usize];
+            let [candidate, antagonist] = column.pushes(self.s(*contact as usize, r));
+            if column.places()[0] as usize == place { candidate } else { antagonist }
+        };
+        self.adjacency.around(place).iter().map(pushed).sum()
+    }
 
-    /// Sums up a range of contacts with the impulses `r` (N·s) of all contacts; only the natural map, if `alone`.
-    fn sums(&self, contacts: Range<usize>, r: &[f64], y: &[M::Velocity], alone: bool) -> Sums;
+    fn sums(&self, contacts: Range<usize>, r: &[f64], y: &[M::Velocity], alone: bool) -> Sums {
+        let mut sums = Sums::default();
+        for (place, k) in contacts.enumerate() {
+            let (column, unit, b, s) = (&self.columns[k], self.unit[k], self.b[k], self.s(k, r));
+            let v = column.relative(y) + b;
+            let residual = column.residual(s, v);
+            sums.natural_map += squared(residual);
+            if !alone {
+                // DV = W_αα (r⁺ − r) and WR = W_αα r, in m/s.
+                let (dv, wr) = (times(residual, unit), times(s, unit));
+                let (wr_plus, squared_dv) = (wr - dv, squared(dv));
+                sums.dv += squared_dv;
+                sums.wr_twice += squared(wr) + squared(wr_plus);
+                sums.greatest_dv = greatest([sums.greatest_dv, squared_dv.sqrt()].into_iter());
+                sums.active += f64::from(u8::from(wr.first() + wr_plus.first() > 0.0));
+                sums.energy_twice += s.dot_product(v + b);
+                sums.take_rate(-v.first() * unit.first(), Some(place));
+            }
+        }
+        sums
+    }
 
-    /// Returns the natural map's term (J) and the approach velocity −`v_n` (m/s) of a contact whose grains are evaluated alone.
-    fn alone(&self, contact: usize, r: &[f64]) -> (f64, f64);
+    fn alone(&self, contact: usize, r: &[f64]) -> (f64, f64) {
+        let column = &self.columns[contact];
+        let ends = column.places().map(|place| self.gather(place as usize, r));
+        let v = column.between(ends) + self.b[contact];
+        let residual = column.residual(self.s(contact, r), v);
+        (squared(residual), -v.first() * self.unit[contact].first())
+    }
 
-    /// Returns a bound of |s| = (Σ `W_αα` r²)^½ (√J).
-    fn size(&self, r: &[f64]) -> f64;
+    fn size(&self, r: &[f64]) -> f64 {
+        (0..self.unit.len()).map(|k| squared(self.s(k, r))).sum::<f64>().sqrt()
+    }
 
-    /// Returns (Σ b²/`W_αα`)^½ (√J).
-    fn size_of_b(&self) -> f64;
+    fn size_of_b(&self) -> f64 {
+        self.b.iter().map(|b| squared(*b)).sum::<f64>().sqrt()
+    }
 
-    /// Returns a velocity of a grain of inertia `mass` (m/s) in the unit of y.
-    fn scaled(mass: M::Mass, velocity: M::Velocity) -> M::Velocity;
+    fn scaled(mass: M::Mass, velocity: M::Velocity) -> M::Velocity {
+        mass.root().times(velocity)
+    }
 
-    /// Returns the squared size of a grain's y (J).
-    fn squared(&self, grain: usize, y: M::Velocity) -> f64;
+    fn squared(&self, _: usize, y: M::Velocity) -> f64 {
+        squared(y)
+    }
 }

@@ -1,7 +1,7 @@
 //! The contact law, eq. (2): 0 ≤ v ⊥ r ≥ 0, as a fixed point; and maxima that do not hide a NaN.
 
 use crate::lanes::{Lanes, Number};
-use crate::mechanics::Numbers;
+use crate::vector::Numbers;
 use nalgebra::{SVector, Vector2, Vector3};
 use std::fmt::Debug;
 

@@ -20,22 +20,24 @@ mod packing;
 pub mod precision;
 mod problem;
 mod rough;
-pub mod scaled;
+mod scaled;
 mod solver;
 pub mod status;
+pub mod sums;
 pub mod sweep;
 pub mod threads;
 mod truth;
+pub mod vector;
+pub mod visit;
 mod work;
 
-pub use adjacency::{Adjacency, Groups, greedy_colours};
+pub use adjacency::{Adjacency, Groups, by_levels, greedy_colours};
 pub use discs::{Contact, Discs, Smooth, Spheres};
 pub use error::{ProblemError, SetupError, is_not_negative, is_positive, shown};
-pub use gauge::{ratio, zeta};
 pub use law::greatest;
 pub use measure::Measure;
 pub use measures::Measures;
-pub use mechanics::{Column, Mass, Mechanics, Numbers, Place, Touch, Vector, Visited, VisitedIn};
+pub use mechanics::{Column, Mass, Mechanics, Touch, VisitedIn};
 pub use packing::Packing;
 pub use problem::ContactProblem;
 pub use rough::{
@@ -44,5 +46,8 @@ pub use rough::{
 };
 pub use scaled::ScaledContact;
 pub use solver::{Iteration, Solver};
+pub use sums::{ratio, zeta};
 pub use truth::Truth;
+pub use vector::{Numbers, Place, Vector};
+pub use visit::Visited;
 pub use work::Work;

@@ -1,8 +1,9 @@
 //! H, Hᵗ, W and its diagonal, eq. (1). W is never assembled.
 
 use crate::law;
-use crate::mechanics::{Mass, Mechanics, Touch, Vector};
+use crate::mechanics::{Mass, Mechanics, Touch};
 use crate::problem::ContactProblem;
+use crate::vector::Vector;
 
 impl<M: Mechanics> ContactProblem<M> {
     /// R = H r: the resultant of the contact impulses `r` on each grain (N·s).
@@ -19,6 +20,14 @@ impl<M: Mechanics> ContactProblem<M> {
         for ((v, m), v_free) in velocity.iter_mut().zip(self.mass()).zip(self.free_velocity()) {
             *v = *v_free + m.divides(*v);
         }
+    }
+
+    /// Returns y = M^½ (`V_free` + M⁻¹ H r) of the grains (√J).
+    pub fn scaled_velocity(&self, r: &[f64]) -> Vec<M::Velocity> {
+        let mut y = vec![M::Velocity::ZERO; self.grain_count()];
+        self.velocity(r, &mut y);
+        y.iter_mut().zip(self.mass()).for_each(|(y, mass)| *y = mass.root().times(*y));
+        y
     }
 
     /// v = Hᵗ V + c (m/s).

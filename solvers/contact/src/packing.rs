@@ -3,8 +3,9 @@
 
 use crate::discs::Discs;
 use crate::error::ProblemError;
-use crate::mechanics::{Mechanics, Touch, Vector};
+use crate::mechanics::{Mechanics, Touch};
 use crate::problem::ContactProblem;
+use crate::vector::Vector;
 use std::ops::Deref;
 
 /// Input of a method: a contact problem, which this stands for wherever places do not matter, and its geometry.

@@ -1,8 +1,10 @@
 //! The contact problem of one time step as data, and what makes it valid.
 
+use crate::adjacency::Adjacency;
 use crate::discs::Discs;
-use crate::error::{ProblemError, shown};
-use crate::mechanics::{Mass, Mechanics, Place, Touch, Vector};
+use crate::error::{ProblemError, SetupError, shown};
+use crate::mechanics::{Mass, Mechanics, Touch};
+use crate::vector::{Place, Vector};
 
 /// The contact problem of one time step: v − W r = b (1), and the contact law (2).
 ///
@@ -64,6 +66,29 @@ impl<M: Mechanics> ContactProblem<M> {
     /// The contacts, in the order in which impulses are given and taken everywhere.
     pub fn contacts(&self) -> &[M::Contact] {
         &self.contacts
+    }
+
+    /// Returns the contacts around each grain.
+    pub fn adjacency(&self) -> Adjacency {
+        Adjacency::new(self.contacts.iter().map(Touch::ends), self.grain_count())
+    }
+
+    /// Accepts a warm start `r0` with one admissible impulse per contact (N·s).
+    ///
+    /// # Errors
+    /// Names the first impulse that is not.
+    pub fn unless_admissible(&self, r0: &[f64]) -> Result<(), SetupError> {
+        let (found, expected) = (r0.len() / M::Impulse::LEN, self.contact_count());
+        let all = format!("of one impulse per contact, {expected} in all");
+        SetupError::unless(r0.len() == self.impulse_count(), "start", format!("{found} impulses"), all)?;
+        for (index, contact) in self.contacts.iter().enumerate() {
+            let r = M::Impulse::at(r0, index);
+            if !(r.is_finite() && contact.is_admissible(r)) {
+                let value = format!("{} at contact {index}", r.text());
+                return Err(SetupError::new("start", value, M::Contact::ADMISSIBLE));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -5,74 +5,21 @@
     reason = "what visits are made of is called in two places, and a call would cost a third of a visit"
 )]
 
+mod accelerated;
+mod renewal;
+
 use crate::acceleration::Trail;
+use crate::adjacency::by_levels;
 use crate::discs::Discs;
-use crate::lanes::Number;
-use crate::mechanics::{Column, Mass, Mechanics, Numbers, Touch, Vector, Visited, VisitedIn};
-use crate::precision::Renewal;
+use crate::mechanics::{Column, Mass, Mechanics, Touch, VisitedIn};
 use crate::problem::ContactProblem;
-use crate::scaled::{by_levels, scaled_velocity};
-use bytemuck::Zeroable;
+use crate::vector::{Numbers, Vector};
+use crate::visit::{Row, TOGETHER, Visited, push_all};
 use pulp::{Arch, Simd, WithSimd};
+use renewal::Renewal;
 use std::ops::Range;
 
-/// One contact as a sweep needs it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row<C: Visited> {
-    pub(crate) column: C,
-    /// c/√`W_αα` (√J).
-    pub(crate) offset: C::Impulse,
-}
-
-impl<C: Visited> Row<C> {
-    /// The row of a contact between two places of y, or one and a wall, and √`W_αα` (kg^-½), with the `inverse_mass` of the
-    /// contact's grains (1/kg).
-    fn new<M: Mechanics<Column = C>>(
-        contact: &M::Contact,
-        places: (u32, Option<u32>),
-        inverse_mass: impl Fn(u32) -> M::Mass,
-    ) -> (Self, M::Impulse)
-    where
-        C: Column<M>,
-    {
-        let (column, unit) = C::new(contact, places, inverse_mass, true);
-        (Self { column, offset: contact.offset().with(unit, |c, unit| c / unit) }, unit)
-    }
-
-    /// (H̃ᵗ y)_α + c/√`W_αα` (√J).
-    #[inline(always)]
-    pub fn relative(&self, y: &[C::Velocity]) -> C::Impulse {
-        self.column.relative(y) + self.offset
-    }
-
-    /// s⁺ − s of the law, at the relative velocity v/√`W_αα` (√J).
-    #[inline(always)]
-    pub fn change(&self, s: C::Impulse, v: C::Impulse, relaxation: f64) -> C::Impulse {
-        self.column.change(s, v, relaxation)
-    }
-
-    /// y ← y + h̃_α Δs.
-    #[inline(always)]
-    pub fn push(&self, change: C::Impulse, y: &mut [C::Velocity]) {
-        self.column.push(change, y);
-    }
-
-    /// v = Hᵗ V + c at α; r⁺ = max(0, r − ω v/`W_αα`), or what the law says; V ← V + M⁻¹ `h_α` (r⁺ − r). Returns √`W_αα` (r⁺ − r)
-    /// (√J).
-    #[inline(always)]
-    pub fn solve(&self, s: &mut C::Impulse, y: &mut [C::Velocity], relaxation: f64) -> C::Impulse {
-        let change = self.change(*s, self.relative(y), relaxation);
-        self.push(change, y);
-        *s += change;
-        change
-    }
-}
-
-/// Number of visits made at a time, where no two of them share a grain. A visit is a chain of operations, each of which waits for
-/// the one before; a processor that has several of them at hand waits less, and [`Visited::visit`] may compute some at once. When it was
-/// chosen, on 8,476 contacts between spheres with friction, a visit took 13.4 ns, in fours 15.9, in sixteens 13.0, of which small
-/// subdomains have few; without AVX2 17.4; alone, 21.7.
-pub const TOGETHER: usize = 8;
+pub use accelerated::Accelerated;
 
 /// Visits of an accelerated sweep that are extrapolated and judged together: their impulses stay in the nearest cache.
 const NEAR: usize = 16 * TOGETHER;
@@ -112,7 +59,7 @@ impl<M: Mechanics> Sweep<M> {
             let (candidate, antagonist) = problem.contacts()[*contact as usize].ends();
             (*contact, (place(candidate), antagonist.map(place)))
         };
-        let y = scaled_velocity(problem, r0);
+        let y = problem.scaled_velocity(r0);
         let y = grains.iter().map(|grain| y[*grain as usize]).collect();
         let inverse_mass = |grain: u32| problem.mass()[grain as usize].inverse(1.0);
         Self::between(problem, contacts.iter().map(places), inverse_mass, r0, y)
@@ -140,7 +87,7 @@ impl<M: Mechanics> Sweep<M> {
         let mut ends = Vec::new();
         for (k, places) in contacts {
             ends.push(places);
-            let (row, unit) = Row::new(&problem.contacts()[k as usize], places, &inverse_mass);
+            let (row, unit) = row::<M>(&problem.contacts()[k as usize], places, &inverse_mass);
             sweep.rows.push(row);
             sweep.contacts.push(k);
             sweep.unit.push(unit);
@@ -281,14 +228,6 @@ impl<M: Mechanics, C: VisitedIn<M>, P: Iterator<Item = bool> + Clone> WithSimd f
     }
 }
 
-/// Adds H̃ s to velocities y, so many `times`.
-pub(crate) fn push_all<C: Visited>(rows: &[Row<C>], s: &[C::Impulse], times: f64, y: &mut [C::Velocity]) {
-    let times = Number::nearest(times);
-    for (row, s) in rows.iter().zip(s) {
-        row.push(s.scaled(times), y);
-    }
-}
-
 /// One visit after the other, or `backward` from the last.
 #[inline(always)]
 fn in_turn<C: Visited>(
@@ -307,24 +246,6 @@ fn in_turn<C: Visited>(
         for (row, s) in visits {
             row.solve(s, y, relaxation);
         }
-    }
-}
-
-/// Visits rows that share no grain: all velocities are read before any impulse is applied.
-#[inline(always)]
-pub(crate) fn look_then_push<C: Visited>(
-    rows: &[Row<C>; TOGETHER],
-    s: &mut [C::Impulse; TOGETHER],
-    y: &mut [C::Velocity],
-    relaxation: f64,
-) {
-    let mut changes = [C::Impulse::zeroed(); TOGETHER];
-    for k in 0..TOGETHER {
-        changes[k] = rows[k].change(s[k], rows[k].relative(y), relaxation);
-    }
-    for k in 0..TOGETHER {
-        rows[k].push(changes[k], y);
-        s[k] += changes[k];
     }
 }
 
@@ -354,6 +275,17 @@ impl<C: Visited> WithSimd for Pass<'_, C> {
             }
         }
     }
+}
+
+/// The row of a contact between two places of y, or one and a wall, and √`W_αα` (kg^-½), with the `inverse_mass` of the
+/// contact's grains (1/kg).
+fn row<M: Mechanics>(
+    contact: &M::Contact,
+    places: (u32, Option<u32>),
+    inverse_mass: impl Fn(u32) -> M::Mass,
+) -> (Row<M::Column>, M::Impulse) {
+    let (column, unit) = M::Column::new(contact, places, inverse_mass, true);
+    (Row { column, offset: contact.offset().with(unit, |c, unit| c / unit) }, unit)
 }
 
 /// Reports whether no two of some contacts share a place.

@@ -1,8 +1,9 @@
 //! The truth that iterates are compared with.
 
 use crate::discs::Discs;
-use crate::mechanics::{Mechanics, Vector};
+use crate::mechanics::Mechanics;
 use crate::problem::ContactProblem;
+use crate::vector::Vector;
 
 /// Unique part of the solution of a problem: its velocity and its energy. Impulses need not be. With friction neither is: this
 /// is then one of the solutions.

@@ -5,8 +5,8 @@
 //! friction q(r) falls in the iteration after a restart, or stays.
 
 use analysis::Bounded;
-use contact::acceleration::{Accelerated, Acceleration, LAG};
-use contact::sweep::Sweep;
+use contact::acceleration::{Acceleration, LAG};
+use contact::sweep::{Accelerated, Sweep};
 use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! Search directions: how steeply the linear stage follows the local one, for contacts and for the interface.
 
-use contact::{Adjacency, ContactProblem, Mechanics, SetupError, Touch, Vector};
+use contact::{ContactProblem, Mechanics, SetupError, Touch, Vector};
 
 /// The four search directions, dimensionless: l = κ_l / W_αα with the undivided masses, and κ_t times that along a
 /// tangent; d_E = κ_d M_i/m_i, with the moment of inertia for a spin.
@@ -102,7 +102,7 @@ pub fn pushed<M: Mechanics>(problem: &ContactProblem<M>, fastest: f64) -> Vec<u3
 
 /// Gives each grain the least depth that those given have for it: one more than that of a grain which it touches; 0 is none.
 pub fn deepen<M: Mechanics>(problem: &ContactProblem<M>, depth: &mut [u32]) {
-    let (contacts, adjacency) = (problem.contacts(), Adjacency::of(problem));
+    let (contacts, adjacency) = (problem.contacts(), problem.adjacency());
     let mut given: Vec<u32> = (0..depth.len() as u32).filter(|grain| depth[*grain as usize] > 0).collect();
     given.sort_by_key(|grain| depth[*grain as usize]);
     let mut given = given.into_iter().peekable();

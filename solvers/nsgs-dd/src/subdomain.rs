@@ -2,7 +2,7 @@
 //! all in mass-scaled unknowns.
 
 use contact::acceleration::Trail;
-use contact::scaled::by_levels;
+use contact::by_levels;
 use contact::sweep::Sweep;
 use contact::{ContactProblem, Mass, Mechanics};
 use partition::{Subdomain, Sums};

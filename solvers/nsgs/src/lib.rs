@@ -10,9 +10,9 @@ mod order;
 
 pub use order::Order;
 
-use contact::acceleration::{Accelerated, Acceleration, LAG, Momentum};
+use contact::acceleration::{Acceleration, LAG, Momentum};
 use contact::precision::Precision;
-use contact::sweep::Sweep;
+use contact::sweep::{Accelerated, Sweep};
 use contact::{Iteration, Mechanics, Packing, SetupError, Solver, VisitedIn, Work};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

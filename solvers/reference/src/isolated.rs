@@ -5,7 +5,6 @@
 //! away.
 
 use cholesky::General;
-use contact::scaled::scaled_velocity;
 use contact::{Column, Cone, Mass, Packing, RoughColumn, RoughDiscs, Touch, Vector, Visited};
 use nalgebra::{Vector2, Vector3};
 
@@ -49,7 +48,7 @@ struct Unknown {
 /// If there are not two numbers per contact.
 pub fn isolation(problem: &Packing<RoughDiscs>, r: &[f64]) -> Isolation {
     assert_eq!(r.len(), problem.impulse_count(), "two numbers per contact");
-    let y = scaled_velocity(problem, r);
+    let y = problem.scaled_velocity(r);
     let inverse_mass = |grain: u32| Mass::<Vector3<f64>>::inverse(problem.mass()[grain as usize], 1.0);
     let (mut margin, mut left) = (f64::INFINITY, 0.0);
     let mut unknowns: Vec<([u32; 2], Unknown)> = Vec::new();

@@ -173,7 +173,7 @@ pub fn solve_against<'t, M: Mechanics>(
     measured: Measured,
     observe: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, SetupError> {
-    SetupError::unless_admissible(problem, r0)?;
+    problem.unless_admissible(r0)?;
     stop.check()?;
     let mut known = known.into_iter().peekable();
     let is_known = known.peek().is_some() || stop.on != Measure::VelocityError;

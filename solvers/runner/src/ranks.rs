@@ -96,7 +96,7 @@ pub fn solve_on_ranks<M: Mechanics>(
     let expected = "another measure: the true velocity of this problem is not known";
     let is_known = !solutions.is_empty() || stop.on != Measure::VelocityError;
     SetupError::unless(is_known, "on", stop.on, expected)?;
-    team.unless_refused(SetupError::unless_admissible(&share.problem, start))?;
+    team.unless_refused(share.problem.unless_admissible(start))?;
     let mut judge = Meter::over(share, team);
     for (k, solution) in solutions.iter().enumerate() {
         let left = judge.against_impulses(solution);

@@ -1,7 +1,6 @@
 //! A packing with friction in mass-scaled unknowns, where every `W_αα` is 1.
 
 use contact::law::admissible;
-use contact::scaled::scaled_velocity;
 use contact::status::Status;
 use contact::{Column, Cone, Frictional, Mass, Mechanics, Packing, Rough, Touch, Vector, Visited};
 use nalgebra::SVector;
@@ -49,7 +48,7 @@ where
         let offset: Vec<_> =
             problem.contacts().iter().zip(&unit).map(|(at, unit)| at.offset.component_div(unit)).collect();
         let mut free = vec![SVector::zeros(); problem.grain_count()];
-        let own = scaled_velocity(problem, &vec![0.0; problem.impulse_count()]);
+        let own = problem.scaled_velocity(&vec![0.0; problem.impulse_count()]);
         own.iter().zip(0..).for_each(|(y, grain)| free[place(grain) as usize] = *y);
         let of = |(column, c): (&ColumnOf<D>, &SVector<f64, D>)| {
             let terms = column.places().map(|place| free[place as usize].norm_squared());

@@ -4,7 +4,7 @@
 //! above a tolerance, long before it comes near. Nothing is assumed of how a measure falls.
 
 use super::{Meter, Part, Solution};
-use contact::gauge::Gauge;
+use contact::mechanics::Gauge;
 use contact::{ContactProblem, Measure, Measures, Mechanics, Vector, zeta};
 
 /// One of so many contacts or grains is evaluated, at most. More are no cheaper than all.

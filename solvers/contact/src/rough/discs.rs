@@ -4,7 +4,9 @@ use super::{Cone, Frictional, RoughContact, RoughDiscs, RoughMass};
 use crate::gauge::Scaled;
 use crate::lanes::Number;
 use crate::law;
-use crate::mechanics::{Column, Mechanics, Numbers, Touch, Visited};
+use crate::mechanics::{Column, Mechanics, Touch};
+use crate::vector::Numbers;
+use crate::visit::Visited;
 use nalgebra::{Vector2, Vector3};
 
 impl Mechanics for RoughDiscs {

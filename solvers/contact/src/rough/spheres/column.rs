@@ -8,9 +8,10 @@
 use super::{frame, joined, parts};
 use crate::lanes::{Lanes, Number, Side};
 use crate::law;
-use crate::mechanics::{Column, Numbers, Touch, Visited};
+use crate::mechanics::{Column, Touch};
 use crate::rough::{Cone, RoughContact, RoughMass, RoughSpheres};
-use crate::sweep::{Row, TOGETHER, look_then_push};
+use crate::vector::Numbers;
+use crate::visit::{Row, TOGETHER, Visited, look_then_push};
 use nalgebra::{Vector3, Vector6};
 use pulp::Simd;
 

@@ -1,11 +1,14 @@
 //! The kernel without friction: eight contacts at the same time.
 
-use super::sums::{Known, Lanes, Sums, TILE, natural_map, squared};
-use super::{Ends, Gauge};
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the processor's instructions are chosen does not get them"
+)]
+
+use super::{Contact, Smooth};
 use crate::adjacency::Adjacency;
-use crate::discs::{Contact, Smooth};
-use crate::mechanics::Touch;
-use crate::problem::ContactProblem;
+use crate::mechanics::{Ends, Gauge, Touch};
+use crate::sums::{Known, Lanes, Sums, TILE, natural_map, squared};
 use nalgebra::SVector;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -39,20 +42,21 @@ fn relative<const D: usize>(normal: SVector<f64, D>, i: SVector<f64, D>, j: SVec
 
 impl<const D: usize> Gauge<Smooth<D>> for Plain<D> {
     fn new(
-        problem: &ContactProblem<Smooth<D>>,
+        mass: &[f64],
+        free_velocity: &[SVector<f64, D>],
+        of: &[Contact<D>],
         contacts: impl Iterator<Item = (usize, Ends)> + Clone,
         grains: impl ExactSizeIterator<Item = usize>,
     ) -> Self {
-        let all = || contacts.clone().map(|(k, _)| &problem.contacts()[k]);
-        let diagonal = |contact: &Contact<D>| contact.diagonal(|grain| 1.0 / problem.mass()[grain as usize]);
-        let (wall, mass): (_, Vec<f64>) =
-            (grains.len() as u32, grains.map(|grain| problem.mass()[grain]).collect());
+        let all = || contacts.clone().map(|(k, _)| &of[k]);
+        let diagonal = |contact: &Contact<D>| contact.diagonal(|grain| 1.0 / mass[grain as usize]);
+        let (wall, mass): (_, Vec<f64>) = (grains.len() as u32, grains.map(|grain| mass[grain]).collect());
         let delassus: Vec<f64> = all().map(diagonal).collect();
         Self {
             adjacency: Adjacency::new(contacts.clone().map(|(_, ends)| ends), mass.len()),
             normal: all().map(|contact| contact.normal).collect(),
             ends: contacts.clone().map(|(_, (i, j))| [i, j.unwrap_or(wall)]).collect(),
-            b: all().map(|contact| contact.relative(problem.free_velocity()) + contact.offset).collect(),
+            b: all().map(|contact| contact.relative(free_velocity) + contact.offset).collect(),
             inverse: delassus.iter().map(|w| 1.0 / w).collect(),
             greatest_delassus: delassus.iter().copied().fold(0.0, f64::max),
             delassus,
