@@ -7,6 +7,7 @@ pub(crate) mod drum;
 pub(crate) mod friction;
 pub(crate) mod lid;
 pub(crate) mod motion;
+pub(crate) mod polygon;
 pub(crate) mod segments;
 pub(crate) mod turning;
 pub(crate) mod walls;

@@ -11,7 +11,7 @@
 
 use crate::problems::first_problem;
 use contact::acceleration::Acceleration;
-use contact::{Packing, Solver, Truth};
+use contact::{Packing, Solver, Touch, Truth};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nsgs::Nsgs;

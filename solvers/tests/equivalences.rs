@@ -2,7 +2,7 @@
 
 use crate::problems::{PACKINGS, any_problem, difference, frozen, impulses, start};
 use cg::Cg;
-use contact::{Contact, Iteration, Packing, Solver, greedy_colours, law};
+use contact::{Contact, Iteration, Packing, Solver, Touch, greedy_colours, law};
 use jacobi::Jacobi;
 use latin_dd::LatinDd;
 use nalgebra::Vector2;

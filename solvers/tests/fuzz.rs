@@ -5,7 +5,7 @@
 use active_set::{ActiveSet, Start};
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Measure, Packing, Solver};
+use contact::{Contact, Measure, Packing, Solver, Touch};
 use gradient::Gradient;
 use jacobi::Jacobi;
 use latin_dd::LatinDd;

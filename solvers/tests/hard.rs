@@ -8,7 +8,7 @@ use crate::infeasible::all_methods;
 use crate::problems::first_problem;
 use cases::{Frozen, Start};
 use cg::Cg;
-use contact::{Contact, Packing, Solver};
+use contact::{Contact, Packing, Solver, Touch};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use nalgebra::Vector2;
 use num_rational::BigRational;

@@ -7,7 +7,7 @@ use active_set::ActiveSet;
 use analysis::Meter;
 use apgd::Apgd;
 use cg::{Cg, Preconditioner};
-use contact::{Contact, Measure, Packing, Solver};
+use contact::{Contact, Measure, Packing, Solver, Touch};
 use mprgp::{Expansion, Mprgp};
 use nalgebra::Vector2;
 use nncg::Nncg;

@@ -3,8 +3,10 @@
 use crate::problems::{PACKINGS, any_problem, difference, first_problem, frozen, impulses, packing, start};
 use cg::{Cg, Preconditioner};
 use contact::sweep::Sweep;
-use contact::{Column, Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Spheres, Vector, Visited, law};
-use contact::{ScaledContact, by_levels};
+use contact::{
+    Column, Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, ScaledContact, Spheres, Touch, Vector,
+    Visited, by_levels, law,
+};
 use nalgebra::Vector2;
 use nsgs::{Nsgs, Order};
 use proptest::prelude::*;

@@ -6,7 +6,7 @@ use crate::problems::{any_problem, difference, first_problem, frozen, impulses, 
 use analysis::Meter;
 use analysis::{Spectrum, delassus_bound, scaled_delassus_bound};
 use cg::Cg;
-use contact::{Contact, Measure, Packing, SetupError, Solver};
+use contact::{Contact, Measure, Packing, SetupError, Solver, Touch};
 use mprgp::{Expansion, Mprgp, Preconditioner};
 use nalgebra::Vector2;
 use nsgs::Nsgs;

@@ -1,6 +1,7 @@
 //! A grain beside a segment: the nearest point of a line, a polygon or a hollow cylinder, and the side from which the grain came.
 
-use crate::scene::segments::{Segment, Shape, centroid};
+use crate::scene::polygon::{area, centroid};
+use crate::scene::segments::{Segment, Shape};
 use contact::Place;
 use nalgebra::Vector3;
 
@@ -180,13 +181,6 @@ fn is_above(passed: bool, before: f64, height: f64) -> bool {
 /// Returns a unit vector across an axis (–).
 fn any_across<P: Place>(axis: P) -> P {
     P::of(contact::frame(&Vector3::from(axis.space()))[0].into())
-}
-
-/// Returns twice the area of a polygon, as a vector across it (m²).
-pub(crate) fn area<P: Place>(corners: &[P]) -> Vector3<f64> {
-    let from_first = |corner: &P| Vector3::from((*corner - corners[0]).space());
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(corner, next)| from_first(corner).cross(&from_first(next))).sum()
 }
 
 /// Returns the point of a convex polygon with this unit normal that is nearest to a place in its plane (m), and the part of the boundary

@@ -10,9 +10,9 @@
 //! SIAM J. Optim. 2 (1992) 575-601.
 
 use crate::cone::{Scaling, product, quotient, reach};
-use crate::frictional::Layout;
 use crate::inner::ordered;
 use crate::interior::{FROM, MOST_STEPS, NO_WAY, SHORT_OF_IT};
+use crate::layout::Layout;
 use cholesky::{Coupling, Factor, Structure};
 use contact::law::tangential;
 use contact::status::unit;

@@ -9,13 +9,10 @@
 //! only stage.
 
 mod exact;
-mod layout;
 mod matrix;
 mod newton;
 mod path;
 mod proximal;
-
-pub(crate) use layout::Layout;
 
 use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, Start, accelerated};
 use crate::{ActiveSet, Best, Convex};

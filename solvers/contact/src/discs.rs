@@ -45,25 +45,6 @@ pub struct Contact<const D: usize = 2> {
     pub offset: f64,
 }
 
-impl<const D: usize> Contact<D> {
-    /// (Hᵗ V)_α = n · (V_candidate − V_antagonist) (m/s).
-    #[inline]
-    pub fn relative(&self, velocity: &[SVector<f64, D>]) -> f64 {
-        let candidate = self.normal.dot(&velocity[self.candidate as usize]);
-        self.antagonist.map_or(candidate, |j| candidate - self.normal.dot(&velocity[j as usize]))
-    }
-
-    /// Candidate and antagonist.
-    pub fn ends(&self) -> (u32, Option<u32>) {
-        (self.candidate, self.antagonist)
-    }
-
-    /// The one or two grains that touch.
-    pub fn grains(&self) -> impl Iterator<Item = u32> + Clone {
-        Touch::grains(self)
-    }
-}
-
 impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
     const ADMISSIBLE: &'static str = "finite and not negative";
 
@@ -85,7 +66,8 @@ impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
 
     #[inline]
     fn relative(&self, velocity: &[SVector<f64, D>]) -> f64 {
-        Self::relative(self, velocity)
+        let candidate = self.normal.dot(&velocity[self.candidate as usize]);
+        self.antagonist.map_or(candidate, |j| candidate - self.normal.dot(&velocity[j as usize]))
     }
 
     #[inline]

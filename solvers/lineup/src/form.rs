@@ -2,8 +2,9 @@
 
 use active_set::ActiveSet;
 use analysis::{Bounded, Spectrum, proves_infeasible};
+use anyhow::{Result, ensure};
 use cases::Marched;
-use contact::{Packing, Rough, RoughDiscs, Smooth, Solver};
+use contact::{Mechanics, Packing, Rough, RoughDiscs, Smooth, Solver, Touch, Vector};
 use reference::{Answer, Certified, Coulomb, Existence, RoughSolution, continued, polished, solve_rough};
 use std::any::Any;
 use std::ops::RangeInclusive;
@@ -31,6 +32,17 @@ where
     fn under(problem: &Packing<Self>) -> Law<'_> {
         Law::Frictional { problem, discs: (problem as &dyn Any).downcast_ref() }
     }
+}
+
+/// Refuses an impulse that the law of a contact does not admit.
+pub(crate) fn admits<M: Mechanics>(contact: &M::Contact, r: M::Impulse) -> Result<()> {
+    ensure!(
+        r.is_finite() && contact.is_admissible(r),
+        "is {}: it must be {}",
+        r.text(),
+        M::Contact::ADMISSIBLE
+    );
+    Ok(())
 }
 
 /// Law of the contacts of a problem, and what is known where it holds.

@@ -2,13 +2,13 @@
 
 use crate::arrays::{Global, arrays};
 use crate::facts::{Facts, Touching, facts};
-use crate::form::{Form, Law};
+use crate::form::{Form, Law, admits};
 use crate::methods::Ours;
 use crate::share::{OneShare, Part};
 use analysis::Meter;
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use cases::{AnyFrozen, Frozen, Homogenised, slides, to_candidate};
-use contact::{Measures, Mechanics, Place, Touch, Truth, Vector};
+use contact::{Measures, Place, Touch, Truth, Vector};
 use partition::{Decomposition, Grid, Partition, Scheme, Share, Team, Whole};
 use reference::{Certificate, Certified, distance};
 use runner::{Measured, Outcome, Progress, Stop, solve_against};
@@ -140,17 +140,6 @@ pub trait OneProblem: Send + Sync {
 
 /// A tangential impulse that is nearer to its bound than this slides (–).
 const SLIDES: f64 = 1e-6;
-
-/// Refuses an impulse that the law of a contact does not admit.
-pub(crate) fn admits<M: Mechanics>(contact: &M::Contact, r: M::Impulse) -> Result<()> {
-    ensure!(
-        r.is_finite() && contact.is_admissible(r),
-        "is {}: it must be {}",
-        r.text(),
-        M::Contact::ADMISSIBLE
-    );
-    Ok(())
-}
 
 impl<M: Form> OneProblem for Frozen<M> {
     fn facts(&self) -> Facts {

@@ -1,8 +1,7 @@
 //! The share of a rank in a problem, whatever the mechanics; and the first line of the file of a subdomain.
 
 use crate::facts::{Facts, facts};
-use crate::form::Form;
-use crate::problem::admits;
+use crate::form::{Form, admits};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::{Mechanics, Vector};

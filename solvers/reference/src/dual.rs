@@ -6,7 +6,7 @@
 //! many steps, or one cannot be, and its impulse with those of the active set balances: a proof that there is no solution.
 //! Dense, so for some hundred grains at most.
 
-use contact::{Contact, ContactProblem, Smooth};
+use contact::{Contact, ContactProblem, Smooth, Touch};
 use twofloat::TwoFloat;
 
 /// Result of the method.

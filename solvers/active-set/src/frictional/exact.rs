@@ -4,11 +4,11 @@
 //! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls while paths arrive;
 //! where one does not, ε grows; where that does not help either, sweeps look for another beginning.
 
-use super::layout::{distance, norm};
 use super::newton::Newton;
 use super::path::{Change, Path};
 use super::{Approach, Points};
 use crate::Best;
+use crate::layout::{distance, norm};
 use contact::Work;
 use nalgebra::Vector2;
 

@@ -1,7 +1,7 @@
 //! K = 1 + Σ H̃ P H̃ᵗ of the contacts that are held, in blocks of grains: it has factors, and after single contacts changed their status
 //! solves with the factors that it had and what changed.
 
-use super::layout::{ColumnOf, Layout};
+use crate::layout::{ColumnOf, Layout};
 use cholesky::{Lu, OneWay, Order, Structure};
 use contact::status::{Slide, Status, unit};
 use contact::{Cone, Frictional, Rough, RoughColumn, SetupError, Visited, Work};

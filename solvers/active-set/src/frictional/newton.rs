@@ -4,9 +4,9 @@
 //! Appl. Mech. Engrg. 92 (1991) 353-375; in the space of grains, and with the proximal term of R. T. Rockafellar (SIAM J. Control
 //! Optim. 14 (1976) 877-898), since W is singular where contacts depend on each other.
 
-use super::layout::{ColumnOf, Drawn, Layout};
 use super::matrix::Matrix;
 use crate::Best;
+use crate::layout::{ColumnOf, Drawn, Layout};
 use crate::start::Start;
 use contact::law::tangential;
 use contact::status::wanted;

@@ -11,8 +11,8 @@ mod line;
 #[cfg(test)]
 mod tests;
 
-use super::layout::{Drawn, Layout, norm};
 use super::matrix::Matrix;
+use crate::layout::{Drawn, Layout, norm};
 use contact::status::{Status, wanted};
 use contact::{SetupError, Visited, Work};
 use line::{End, Line};

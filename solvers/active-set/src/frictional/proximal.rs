@@ -6,10 +6,10 @@
 //! help, sweeps look for another beginning. In the plane a point is reached along an exact path; in space the law is not piecewise
 //! linear, and sweeps after a step of Newton take back the statuses that it set too far from where it began.
 
-use super::layout::{Drawn, distance};
 use super::newton::{Newton, SMOOTHING};
 use super::{Approach, Points};
 use crate::Best;
+use crate::layout::{Drawn, distance};
 use nalgebra::Vector3;
 
 /// Newton's method between spheres.

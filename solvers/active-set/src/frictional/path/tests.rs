@@ -1,8 +1,8 @@
 //! Properties of paths by their theory, and changes of the matrix.
 
-use super::super::layout::Layout;
 use super::super::matrix::Matrix;
 use super::{Change, Path};
+use crate::layout::Layout;
 use contact::law::admissible;
 use contact::status::Status;
 use contact::{Cone, Packing, RoughContact, RoughMass};

@@ -59,18 +59,18 @@ where
     }
 
     /// Grains.
-    pub(super) fn grains(&self) -> usize {
+    pub(crate) fn grains(&self) -> usize {
         self.free.len()
     }
 
     /// The impulses `r` (N·s) as s (√J).
-    pub(super) fn scaled(&self, r: &[f64]) -> Vec<SVector<f64, D>> {
+    pub(crate) fn scaled(&self, r: &[f64]) -> Vec<SVector<f64, D>> {
         let of = |(k, unit): (usize, &SVector<f64, D>)| SVector::<f64, D>::at(r, k).component_mul(unit);
         self.unit.iter().enumerate().map(of).collect()
     }
 
     /// The nearest impulses to s that the law admits (√J).
-    pub(super) fn admitted(&self, s: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+    pub(crate) fn admitted(&self, s: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         s.iter().zip(&self.columns).map(|(s, column)| admissible(*s, column.friction())).collect()
     }
 
@@ -82,7 +82,7 @@ where
     }
 
     /// `from` + H̃ s (√J).
-    pub(super) fn pushed(
+    pub(crate) fn pushed(
         &self,
         mut from: Vec<SVector<f64, N>>,
         s: &[SVector<f64, D>],
@@ -100,7 +100,7 @@ where
     /// Sweeps of non-linear Gauss-Seidel, with v + ε (s − centre) in the place of v:
     ///
     /// s⁺ of the law at a contact where v = `v_others` + (1 + ε) s, which is that of s − v/(1 + ε)
-    pub(super) fn sweep(&self, drawn: Drawn<D>, s: &mut [SVector<f64, D>], sweeps: u32) {
+    pub(crate) fn sweep(&self, drawn: Drawn<D>, s: &mut [SVector<f64, D>], sweeps: u32) {
         let mut y = self.pushed(self.free.clone(), s);
         let relaxation = (1.0 + drawn.epsilon).recip();
         for _ in 0..sweeps {
@@ -115,7 +115,7 @@ where
     }
 
     /// Returns the residual of the law, weighed as energy: the natural map (√J).
-    pub(super) fn left(&self, s: &[SVector<f64, D>], v: &[SVector<f64, D>]) -> f64 {
+    pub(crate) fn left(&self, s: &[SVector<f64, D>], v: &[SVector<f64, D>]) -> f64 {
         let of = |((s, v), column): ((&SVector<f64, D>, &SVector<f64, D>), &ColumnOf<D>)| {
             column.residual(*s, *v).norm_squared()
         };
@@ -123,12 +123,12 @@ where
     }
 
     /// Reports whether the residual `left` (√J) of the impulses s is round-off.
-    pub(super) fn is_round_off(&self, left: f64, s: &[SVector<f64, D>]) -> bool {
+    pub(crate) fn is_round_off(&self, left: f64, s: &[SVector<f64, D>]) -> bool {
         left <= ROUND_OFF * (norm(s) + self.terms_of_b)
     }
 
     /// The statuses that s − v has.
-    pub(super) fn statuses(&self, s: &[SVector<f64, D>], v: &[SVector<f64, D>]) -> Vec<Status<D>> {
+    pub(crate) fn statuses(&self, s: &[SVector<f64, D>], v: &[SVector<f64, D>]) -> Vec<Status<D>> {
         let of = |((s, v), column): ((&SVector<f64, D>, &SVector<f64, D>), &ColumnOf<D>)| {
             Status::of(*s, *v, column.friction())
         };
@@ -138,16 +138,16 @@ where
 
 /// Proximal term that draws impulses to others: v + ε (s − centre) takes the place of v.
 #[derive(Clone, Copy)]
-pub(super) struct Drawn<'a, const D: usize> {
+pub(crate) struct Drawn<'a, const D: usize> {
     /// ε (–).
-    pub(super) epsilon: f64,
+    pub(crate) epsilon: f64,
     /// Towards which ε draws (√J); to themselves, without.
-    pub(super) centre: Option<&'a [SVector<f64, D>]>,
+    pub(crate) centre: Option<&'a [SVector<f64, D>]>,
 }
 
 impl<const D: usize> Drawn<'_, D> {
     /// v + ε (s − centre) (√J).
-    pub(super) fn velocity<const N: usize>(
+    pub(crate) fn velocity<const N: usize>(
         &self,
         layout: &Layout<D, N>,
         s: &[SVector<f64, D>],
@@ -164,11 +164,11 @@ impl<const D: usize> Drawn<'_, D> {
 }
 
 /// √ of the sum of squares.
-pub(super) fn norm<const D: usize>(s: &[SVector<f64, D>]) -> f64 {
+pub(crate) fn norm<const D: usize>(s: &[SVector<f64, D>]) -> f64 {
     s.iter().map(SVector::norm_squared).sum::<f64>().sqrt()
 }
 
 /// √ of the sum of squares of a − b.
-pub(super) fn distance<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> f64 {
+pub(crate) fn distance<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum::<f64>().sqrt()
 }
