@@ -30,11 +30,11 @@ fn of_sweep<M: Mechanics>(acceleration: Acceleration) -> Moves {
 }
 
 /// Returns those of conjugate gradients without friction: two passes, each of which reads the columns, and reads and writes the states of
-/// seven numbers. A grain's y is cleared, pushed, and squared with its weight; then it is read, and that of what the maximum adds is
+/// five numbers. A grain's y is cleared, pushed, and squared with its weight; then it is read, and that of what the maximum adds is
 /// cleared. What the maximum adds, and the product of every 16th iteration, are left out.
 fn of_cg<M: Mechanics>() -> Moves {
     Moves {
-        contact: 2 * (size_of::<M::Column>() + 2 * 7 * size_of::<M::Impulse>()),
+        contact: 2 * (size_of::<M::Column>() + 2 * 5 * size_of::<M::Impulse>()),
         grain: 6 * size_of::<M::Velocity>() + size_of::<f64>(),
     }
 }

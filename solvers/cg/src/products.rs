@@ -4,7 +4,8 @@ use crate::{Constants, Law, State};
 use contact::{Mechanics, Vector};
 use product::{At, Product, Pulled};
 
-/// Products with W, and a [`State`] and [`Constants`] at each contact, in units that make a cone of a cone: one for its normal, one for its tangents.
+/// Products with W, and a [`State`] and [`Constants`] at each contact, in units that make a cone of a cone: one for its normal, one for its
+/// tangents.
 pub trait Products<I: Law> {
     /// First half of the product W p: `p` gives the p of each contact, and the terms of sums over the contacts.
     fn push_by<const N: usize>(&mut self, p: impl At<State<I>, (), (I, [f64; N])>) -> [f64; N];

@@ -68,6 +68,11 @@ impl<M: Mechanics> Layout<M> {
         self.team.as_ref().map_or(here, |team| team.max(here))
     }
 
+    /// Returns the number of contacts of each block.
+    pub fn contacts(&self) -> Vec<usize> {
+        self.subdomains().iter().map(|block| block.contacts.len()).collect()
+    }
+
     /// The contacts and grains of each block.
     pub(crate) fn subdomains(&self) -> &[Subdomain] {
         &self.decomposition.subdomains
