@@ -139,13 +139,7 @@ impl<'p, M: Mechanics> Meter<'p, M> {
     /// Prepares the measures on one machine.
     pub fn new(problem: &'p ContactProblem<M>) -> Self {
         let (contacts, grains) = (problem.contacts(), problem.grain_count());
-        let gauge = M::Gauge::new(
-            problem.mass(),
-            problem.free_velocity(),
-            problem.contacts(),
-            contacts.iter().map(Touch::ends).enumerate(),
-            0..grains,
-        );
+        let gauge = problem.gauge(contacts.iter().map(Touch::ends).enumerate(), 0..grains);
         let part = Part::new(gauge, None, contacts.len(), vec![1.0; grains]);
         Self {
             problem,
@@ -166,13 +160,7 @@ impl<'p, M: Mechanics> Meter<'p, M> {
         let (b, w) = (problem.b(), problem.delassus_diagonal());
         let part = |e: &partition::Subdomain| {
             let contacts = e.contacts.iter().map(|k| *k as usize).zip(e.ends.iter().copied());
-            let gauge = M::Gauge::new(
-                problem.mass(),
-                problem.free_velocity(),
-                problem.contacts(),
-                contacts,
-                e.grains.iter().map(|grain| *grain as usize),
-            );
+            let gauge = problem.gauge(contacts, e.grains.iter().map(|grain| *grain as usize));
             let multiplicity = |grain: &u32| f64::from(share.decomposition.multiplicity[*grain as usize]);
             let weight = e.grains.iter().map(|grain| 1.0 / multiplicity(grain)).collect();
             let part = Part::new(gauge, Some(e.contacts.clone()), e.contacts.len(), weight);

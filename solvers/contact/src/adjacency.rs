@@ -1,4 +1,5 @@
-//! Lists of the members of groups: the contacts that touch each grain; and colours of contacts that share no grain.
+//! Lists of the members of groups: the contacts that touch each grain; colours of contacts that share no grain; and their levels, for the order
+//! of a sweep.
 
 use std::ops::Range;
 

@@ -6,6 +6,7 @@ use crate::error::{is_not_negative, is_positive};
 use crate::law;
 use crate::mechanics::{Column, Mass, Mechanics, Touch};
 use crate::scaled::ScaledContact;
+use crate::vector::Numbers;
 use gauge::Plain;
 use nalgebra::SVector;
 
@@ -102,12 +103,25 @@ impl<const D: usize> Column<Smooth<D>> for ScaledContact<D> {
         inverse_mass: impl Fn(u32) -> f64,
         scaled: bool,
     ) -> (Self, f64) {
-        let inverse = [inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, &inverse_mass)];
-        Self::new(places, contact.normal, inverse, scaled)
+        let (i, j) = (inverse_mass(contact.candidate), contact.antagonist.map_or(0.0, &inverse_mass));
+        let (root, unit) = (i.sqrt(), if scaled { (i + j).sqrt() } else { 1.0 });
+        let column = Self {
+            candidate: places.0,
+            antagonist: places.1.unwrap_or(places.0),
+            normal: contact.normal * (root / unit),
+            ratio: j.sqrt() / root,
+        };
+        (column, unit)
     }
 
     fn single(&self) -> ScaledContact<D, f32> {
-        Self::single(self)
+        let Self { candidate, antagonist, normal, ratio } = *self;
+        ScaledContact {
+            candidate,
+            antagonist,
+            normal: Numbers::nearest(normal),
+            ratio: Numbers::nearest(ratio),
+        }
     }
 
     #[inline]

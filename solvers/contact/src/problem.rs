@@ -3,7 +3,7 @@
 use crate::adjacency::Adjacency;
 use crate::discs::Discs;
 use crate::error::{ProblemError, SetupError, shown};
-use crate::mechanics::{Mass, Mechanics, Touch};
+use crate::mechanics::{Ends, Gauge, Mass, Mechanics, Touch};
 use crate::vector::{Place, Vector};
 
 /// The contact problem of one time step: v − W r = b (1), and the contact law (2).
@@ -71,6 +71,16 @@ impl<M: Mechanics> ContactProblem<M> {
     /// Returns the contacts around each grain.
     pub fn adjacency(&self) -> Adjacency {
         Adjacency::new(self.contacts.iter().map(Touch::ends), self.grain_count())
+    }
+
+    /// Returns the kernel of the measures of some contacts, each by its index and its ends among the `grains`, which are given by their
+    /// indices.
+    pub fn gauge(
+        &self,
+        contacts: impl Iterator<Item = (usize, Ends)> + Clone,
+        grains: impl ExactSizeIterator<Item = usize>,
+    ) -> M::Gauge {
+        M::Gauge::new(&self.mass, &self.free_velocity, &self.contacts, contacts, grains)
     }
 
     /// Accepts a warm start `r0` with one admissible impulse per contact (N·s).

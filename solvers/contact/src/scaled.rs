@@ -8,47 +8,22 @@
 //! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
 use crate::lanes::Number;
-use crate::vector::Numbers;
 use crate::visit::Visited;
 use nalgebra::SVector;
 
 /// A column of H̃: `normal` at the candidate, −`ratio`·`normal` at the antagonist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaledContact<const D: usize = 2, N = f64> {
-    candidate: u32,
+    pub(crate) candidate: u32,
     /// At a wall the candidate itself, which a ratio of 0 leaves out.
-    antagonist: u32,
+    pub(crate) antagonist: u32,
     /// n/√(`m_candidate` `W_αα`) (–).
-    normal: SVector<N, D>,
+    pub(crate) normal: SVector<N, D>,
     /// √(`m_candidate`/`m_antagonist`) (–); 0 at a wall.
-    ratio: N,
+    pub(crate) ratio: N,
 }
 
 impl<const D: usize> ScaledContact<D> {
-    /// The column between two `places` of y, or one and a wall, with the unit `normal` n and the inverse masses of its grains, 0 for a wall
-    /// (1/kg); and its unit: √`W_αα` (kg^-½), or 1 if it is not `scaled`.
-    pub(crate) fn new(
-        (candidate, antagonist): (u32, Option<u32>),
-        normal: SVector<f64, D>,
-        [i, j]: [f64; 2],
-        scaled: bool,
-    ) -> (Self, f64) {
-        let (root, unit) = (i.sqrt(), if scaled { (i + j).sqrt() } else { 1.0 });
-        let antagonist = antagonist.unwrap_or(candidate);
-        (Self { candidate, antagonist, normal: normal * (root / unit), ratio: j.sqrt() / root }, unit)
-    }
-
-    /// Returns the column in single precision.
-    pub(crate) fn single(&self) -> ScaledContact<D, f32> {
-        let Self { candidate, antagonist, normal, ratio } = *self;
-        ScaledContact {
-            candidate,
-            antagonist,
-            normal: Numbers::nearest(normal),
-            ratio: Numbers::nearest(ratio),
-        }
-    }
-
     /// The diagonal of H̃ᵗ H̃, which is 1, or of W.
     #[inline]
     pub fn squared(&self) -> f64 {
