@@ -3,12 +3,13 @@
 //! Rounds on one thread and on all take turns, so that what else the machine does, and how fast it runs at the moment,
 //! meets both alike.
 //!
-//! What more threads would do is predicted from these times and from the contacts of each subdomain: an iteration takes
+//! What n threads would do is predicted from counted work and barriers. An iteration takes
 //!
-//! T(n) = s(n) T(1) + w log₂ n,   w = max(0, T(n₀) − s(n₀) T(1)) / log₂ n₀
+//! T(n) = s(n) T(1) + k b log₂ n / log₂ n₀
 //!
-//! with s(n) the greatest share of the contacts that one of n threads has, where each takes the largest subdomain that is left, and w all that
-//! kept the n₀ threads that there were from it: sections that end together, and memory that threads share.
+//! with s(n) the greatest share of the contacts that one of n threads has, where each takes the largest subdomain that is left; k the
+//! parallel sections of an iteration, counted; and b the time of an empty one on the n₀ threads that there are. Work between sections
+//! and memory that threads share are not in it: the prediction for n₀ stands beside the ratio that was measured.
 
 mod common;
 
@@ -16,7 +17,7 @@ use analysis::Meter;
 use cases::Frozen;
 use cg::Cg;
 use contact::acceleration::Acceleration;
-use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Solver, Spheres};
+use contact::{Discs, Mechanics, RoughDiscs, RoughSpheres, Solver, Spheres, threads};
 use latin_dd::LatinDd;
 use nsgs_dd::NsgsDd;
 use partition::{Grid, Partition, Scheme};
@@ -30,34 +31,43 @@ const ITERATIONS: usize = 50;
 /// Columns and rows of subdomains.
 const SIDE: u32 = 8;
 
-/// Threads for which a ratio is predicted.
+/// Threads for which a ratio is predicted, after those that there are.
 const PREDICTED: [usize; 2] = [16, 64];
 
+/// The machine: a pool of one thread and one of all, and the time of an empty parallel section on all (ms).
+struct Machine {
+    pools: [ThreadPool; 2],
+    barrier: f64,
+}
+
 fn main() {
-    let threads = rayon::current_num_threads();
-    let pools = [1, threads].map(|threads| {
+    let all = rayon::current_num_threads();
+    let pools = [1, all].map(|threads| {
         ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|error| panic!("{error}"))
     });
-    println!("# Iterations on one thread and on {threads}\n");
+    let barrier = 1e3 * pools[1].install(empty_section);
+    let machine = Machine { pools, barrier };
+    println!("# Iterations on one thread and on {all}\n");
     println!(
         "Medians of {ROUNDS} rounds of {ITERATIONS} iterations, in turns; {SIDE} × {SIDE} subdomains, those of cg are its own."
     );
-    println!("In a run, measures come between two iterations: caches forget, threads fall asleep.\n");
+    println!("In a run, measures come between two iterations: caches forget, threads fall asleep.");
+    println!("An empty parallel section takes {:.1} µs.\n", 1e3 * barrier);
     let [first, second] = PREDICTED;
     println!(
-        "| mechanics | method | contacts | between iterations | one thread, ms | {threads} threads, ms | ratio | predicted on {first} | on {second} |"
+        "| mechanics | method | contacts | between iterations | one thread, ms | {all} threads, ms | ratio | sections | predicted on {all} | on {first} | on {second} |"
     );
-    println!("|---|---|--:|---|--:|--:|--:|--:|--:|");
+    println!("|---|---|--:|---|--:|--:|--:|--:|--:|--:|--:|");
     for grains in common::sizes() {
-        table::<Discs>(&pools, "discs", &common::packing(grains));
-        table::<RoughDiscs>(&pools, "discs with friction", &common::rough_packing(grains));
-        table::<Spheres>(&pools, "spheres", &common::packing_in_space(grains, 0.0));
-        table::<RoughSpheres>(&pools, "spheres with friction", &common::packing_in_space(grains, 0.3));
+        table::<Discs>(&machine, "discs", &common::packing(grains));
+        table::<RoughDiscs>(&machine, "discs with friction", &common::rough_packing(grains));
+        table::<Spheres>(&machine, "spheres", &common::packing_in_space(grains, 0.0));
+        table::<RoughSpheres>(&machine, "spheres with friction", &common::packing_in_space(grains, 0.3));
     }
 }
 
 /// Prints the rows of one packing.
-fn table<M: Mechanics>(pools: &[ThreadPool; 2], mechanics: &str, frozen: &Frozen<M>)
+fn table<M: Mechanics>(machine: &Machine, mechanics: &str, frozen: &Frozen<M>)
 where
     NsgsDd: Solver<M>,
     LatinDd: Solver<M>,
@@ -84,27 +94,29 @@ where
         let parts = if name == "cg" { &blocks } else { &of_subdomains };
         for (between, measured) in [("nothing", false), ("measures", true)] {
             let mut times = [Vec::new(), Vec::new()];
+            let mut sections = 0;
             for _ in 0..ROUNDS {
-                for (pool, times) in pools.iter().zip(&mut times) {
-                    times.push(round(pool, frozen, solver, measured));
+                for (pool, times) in machine.pools.iter().zip(&mut times) {
+                    let (seconds, counted) = round(pool, frozen, solver, measured);
+                    times.push(seconds);
+                    // The pool of all threads comes last.
+                    sections = counted;
                 }
             }
             let ratios = times[0].iter().zip(&times[1]).map(|(one, all)| one / all).collect();
             let [one, all] = times.map(|times| 1e3 * median(times));
-            let (ratio, [first, second]) =
-                (median(ratios), PREDICTED.map(|n| predicted(parts, [one, all], n)));
+            let predicted = |threads| {
+                let steps = (threads as f64).log2() / (rayon::current_num_threads() as f64).log2().max(1.0);
+                one / (share(parts, threads) * one + sections as f64 * machine.barrier * steps)
+            };
+            let ratio = median(ratios);
+            let [here, first, second] =
+                [rayon::current_num_threads(), PREDICTED[0], PREDICTED[1]].map(predicted);
             println!(
-                "| {mechanics} | {name} | {contacts} | {between} | {one:.3} | {all:.3} | {ratio:.2} | {first:.1} | {second:.1} |"
+                "| {mechanics} | {name} | {contacts} | {between} | {one:.3} | {all:.3} | {ratio:.2} | {sections} | {here:.2} | {first:.1} | {second:.1} |"
             );
         }
     }
-}
-
-/// Returns the predicted ratio on `threads`, from the times on one thread and on all.
-fn predicted(parts: &[usize], [one, all]: [f64; 2], threads: usize) -> f64 {
-    let measured = rayon::current_num_threads();
-    let waits = (all - share(parts, measured) * one).max(0.0) / (measured as f64).log2().max(1.0);
-    one / (share(parts, threads) * one + waits * (threads as f64).log2())
 }
 
 /// Returns the greatest share of the contacts that one of so many threads has.
@@ -120,26 +132,44 @@ fn share(parts: &[usize], threads: usize) -> f64 {
     of_threads.iter().max().map_or(1.0, |most| *most as f64 / parts.iter().sum::<usize>().max(1) as f64)
 }
 
-/// The median time of an iteration (s).
-fn round<M: Mechanics>(pool: &ThreadPool, frozen: &Frozen<M>, solver: &dyn Solver<M>, measured: bool) -> f64 {
+/// Returns the median time of an iteration (s), and the parallel sections of one.
+fn round<M: Mechanics>(
+    pool: &ThreadPool,
+    frozen: &Frozen<M>,
+    solver: &dyn Solver<M>,
+    measured: bool,
+) -> (f64, usize) {
     pool.install(|| {
         let problem = &frozen.problem;
         let mut r = frozen.start(false);
         let mut iteration = solver.start(problem, &r).unwrap_or_else(|error| panic!("{error}"));
         let mut meter = Meter::new(problem);
         (0..5).for_each(|_| iteration.advance());
+        let mut sections = 0;
         let times = (0..ITERATIONS).map(|_| {
-            let clock = Instant::now();
+            let (clock, before) = (Instant::now(), threads::sections());
             iteration.advance();
             let seconds = clock.elapsed().as_secs_f64();
+            sections += threads::sections() - before;
             if measured {
                 iteration.impulses(&mut r);
                 meter.measure_after(&[], &r, iteration.velocity_jump());
             }
             seconds
         });
-        median(times.collect())
+        (median(times.collect()), sections / ITERATIONS)
     })
+}
+
+/// Returns the median time of a parallel section without work (s).
+fn empty_section() -> f64 {
+    let mut items = [(); (SIDE * SIDE) as usize];
+    let section = |_| {
+        let clock = Instant::now();
+        threads::each(&mut items, usize::MAX, &|_, ()| ());
+        clock.elapsed().as_secs_f64()
+    };
+    median((0..1000).map(section).collect())
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

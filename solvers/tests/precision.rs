@@ -2,8 +2,7 @@
 //! they end.
 
 use crate::problems::{difference, packing};
-use analysis::Bounded;
-use cg::{Cg, Law};
+use cg::{Cg, Suited};
 use contact::acceleration::Acceleration;
 use contact::precision::Precision;
 use contact::{Discs, Mechanics, Packing, RoughDiscs, RoughSpheres, Solver, Spheres};
@@ -110,7 +109,7 @@ fn gradient(precision: Precision) -> Cg {
 
 /// Some iterations, fewer than those after which u is made from r; with friction one, since a contact then slides as its first impulse
 /// points, round-off and all.
-fn assert_is_the_double_gradient<M: Bounded<Impulse: Law>>(problem: &Packing<M>, iterations: u32) {
+fn assert_is_the_double_gradient<M: Suited>(problem: &Packing<M>, iterations: u32) {
     let double = after(problem, &gradient(Precision::Double), iterations);
     for precision in [Precision::Single, Precision::Mixed] {
         let off = difference(&after(problem, &gradient(precision), iterations), &double);
@@ -129,7 +128,7 @@ fn conjugate_gradients_of_every_precision_are_the_same_but_for_round_off() {
 
 /// In single precision u is never that of r, and ends where round-off of W r leaves it; in mixed precision it is made in double precision
 /// from time to time.
-fn assert_mixed_gradient_reaches_the_tolerance_of_double<M: Bounded<Impulse: Law>>(problem: &Packing<M>) {
+fn assert_mixed_gradient_reaches_the_tolerance_of_double<M: Suited>(problem: &Packing<M>) {
     let [double, mixed, single] = [Precision::Double, Precision::Mixed, Precision::Single]
         .map(|precision| run(problem, &gradient(precision), 5_000));
     println!("{} and {}; {:e}", double.0.iterations, mixed.0.iterations, single.1);

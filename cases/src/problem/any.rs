@@ -6,7 +6,7 @@ use crate::file::json::{broken, read_text};
 use crate::problem::file::Head;
 use crate::problem::frozen::Frozen;
 use crate::problem::marched::Marched;
-use contact::{Discs, Mechanics, Place, RoughDiscs, RoughSpheres, Spheres, Vector};
+use contact::{Discs, Mechanics, Place, Vector, of_each_mechanics};
 use std::any::Any;
 use std::fmt::Debug;
 use std::ops::{Deref, DerefMut};
@@ -20,8 +20,7 @@ pub struct AnyFrozen(Box<dyn OfAnyMechanics>);
 type Reader = fn(&Path, &str) -> Result<AnyFrozen, CaseError>;
 
 /// Readers by the name of the mechanics; the first is that of a name that is none, which it refuses.
-const READERS: [(&str, Reader); 4] =
-    [reader::<RoughDiscs>(), reader::<Discs>(), reader::<Spheres>(), reader::<RoughSpheres>()];
+const READERS: &[(&str, Reader)] = &of_each_mechanics!(reader);
 
 const fn reader<M: Marched>() -> (&'static str, Reader) {
     (M::NAME, |path, text| Frozen::<M>::of_text(path, text).map(AnyFrozen::from))

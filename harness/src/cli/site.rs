@@ -154,8 +154,7 @@ fn of_problem(root: &Root, name: &str, settings: &Map<String, Value>) -> Result<
     let mut scene = settings.clone();
     scene.retain(|key, _| ![CASE, TIME_STEP, MOMENT, MARCH, MISSED_BEFORE].contains(&key.as_str()));
     let case = read_case(&root.case(&case)?, &overrides(&scene))?;
-    let kind = if case.in_space()? { "spheres" } else { "discs" };
-    let mechanics = if case.scene.is_rough() { format!("rough-{kind}") } else { kind.to_owned() };
+    let mechanics = lineup::name_of(&case)?.to_owned();
     let friction = settings.get(FRICTION).and_then(Value::as_f64).or(case.scene.friction).unwrap_or(0.0);
     let step = settings.get(TIME_STEP).map(|step| format!("time step {step}"));
     Ok(Facts { mechanics, friction, state: text(MOMENT).or(step).unwrap_or_default() })

@@ -24,7 +24,7 @@ pub use state::{Constants, Law, State};
 
 use analysis::Bounded;
 use contact::precision::Precision;
-use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Touch, Vector, greatest};
+use contact::{Iteration, Mechanics, Packing, SetupError, Solver, Touch, Vector, Visited, greatest};
 use partition::{Distributed, Refused, Share, Team};
 use product::{Layout, Product};
 use schemars::JsonSchema;
@@ -38,6 +38,16 @@ pub struct Cg {
     pub preconditioner: Preconditioner,
     /// Precision of products with W; with a W that is stored, `double` alone.
     pub precision: Precision,
+}
+
+/// A mechanics for which the method is: its contacts have the law that [`Law`] knows for their impulses.
+pub trait Suited: Bounded<Impulse: Law> {}
+
+impl<M> Suited for M
+where
+    M: Bounded<Impulse: Law>,
+    M::Column: Visited<Law = <M::Impulse as Law>::OfContact>,
+{
 }
 
 /// A run on the grains of a mechanics.
@@ -55,11 +65,7 @@ impl Cg {
     ///
     /// # Errors
     /// Those of [`Layout::new`].
-    pub fn run<M: Bounded<Impulse: Law>>(
-        &self,
-        problem: &Packing<M>,
-        r0: &[f64],
-    ) -> Result<GrainRun<M>, SetupError> {
+    pub fn run<M: Suited>(&self, problem: &Packing<M>, r0: &[f64]) -> Result<GrainRun<M>, SetupError> {
         let greatest =
             if self.is_scaled() { M::scaled_delassus_bound(problem) } else { M::delassus_bound(problem) };
         Ok(self.over(Layout::new(problem)?, problem, greatest, r0))
@@ -90,7 +96,7 @@ impl Cg {
     }
 }
 
-impl<M: Bounded<Impulse: Law>> Distributed<M> for Cg {
+impl<M: Suited> Distributed<M> for Cg {
     fn start_in<'p>(
         &self,
         share: &'p Share<M>,
@@ -104,7 +110,7 @@ impl<M: Bounded<Impulse: Law>> Distributed<M> for Cg {
     }
 }
 
-impl<M: Bounded<Impulse: Law>> Solver<M> for Cg {
+impl<M: Suited> Solver<M> for Cg {
     fn start<'p>(&self, problem: &'p Packing<M>, r0: &[f64]) -> Result<Box<dyn Iteration + 'p>, SetupError> {
         Ok(Box::new(self.run(problem, r0)?))
     }

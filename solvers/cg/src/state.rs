@@ -33,6 +33,9 @@ pub struct Constants<I> {
 
 /// A law of contact, by the impulse that it admits: how it projects a step, and which parts of a gradient it blocks.
 pub trait Law: Vector {
+    /// Law of a contact in mass-scaled unknowns.
+    type OfContact;
+
     /// Numbers of the law at a contact, and the status of its impulse.
     type Status: Copy + Send + Sync;
 

@@ -63,45 +63,44 @@ pub(crate) fn change_in_space<N: Lanes>(
     Vector3::new(normal, first - s.y, second - s.z)
 }
 
-/// Impulse at a contact in mass-scaled unknowns, with the law that it obeys.
-pub trait Lawful: Numbers {
-    /// μ √(`w_t`/`w_n`) (–); nothing without friction.
-    type Friction: Copy + Debug + PartialEq + Send + Sync;
-
-    /// s⁺ − s, where `W_αα` = 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all others are
-    /// kept.
+/// Law of a contact in mass-scaled unknowns, for impulses `I`.
+pub trait Lawful<I: Numbers>: Copy + Debug + PartialEq + Send + Sync {
+    /// s⁺ − s, where the diagonal of `W_αα` is 1 and with the relaxation ω (–), of the impulse that solves the law at the contact when all
+    /// others are kept.
     #[must_use]
-    fn change(self, v: Self, friction: Self::Friction, relaxation: f64) -> Self;
+    fn change(self, s: I, v: I, relaxation: f64) -> I;
 }
 
-impl<N: Number> Lawful for N {
-    type Friction = ();
+/// 0 ≤ v ⊥ s ≥ 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Signorini;
 
+/// Coulomb's law, with its μ √(`w_t`/`w_n`) (–).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coulomb<N>(pub N);
+
+impl<N: Number> Lawful<N> for Signorini {
     #[inline]
-    fn change(self, v: Self, (): (), relaxation: f64) -> Self {
-        change(self, v, relaxation)
+    fn change(self, s: N, v: N, relaxation: f64) -> N {
+        change(s, v, relaxation)
     }
 }
 
-impl<N: Number> Lawful for Vector2<N> {
-    type Friction = N;
-
+impl<N: Number> Lawful<Vector2<N>> for Coulomb<N> {
     /// `s_n⁺` = max(0, `s_n` − ω `v_n`), then `s_t⁺` = clip(`s_t` − ω `v_t`, μ̃ `s_n⁺`): the two lines solve (2′), since `W_αα` is
     /// diagonal.
     #[inline]
-    fn change(self, v: Self, friction: N, relaxation: f64) -> Self {
-        let normal = change(self.x, v.x, relaxation);
-        let bound = friction * (self.x + normal);
-        Self::new(normal, clip(self.y - N::nearest(relaxation) * v.y, bound) - self.y)
+    fn change(self, s: Vector2<N>, v: Vector2<N>, relaxation: f64) -> Vector2<N> {
+        let normal = change(s.x, v.x, relaxation);
+        let bound = self.0 * (s.x + normal);
+        Vector2::new(normal, clip(s.y - N::nearest(relaxation) * v.y, bound) - s.y)
     }
 }
 
-impl<N: Number> Lawful for Vector3<N> {
-    type Friction = N;
-
+impl<N: Number> Lawful<Vector3<N>> for Coulomb<N> {
     #[inline]
-    fn change(self, v: Self, friction: N, relaxation: f64) -> Self {
-        change_in_space(self, v, friction, relaxation)
+    fn change(self, s: Vector3<N>, v: Vector3<N>, relaxation: f64) -> Vector3<N> {
+        change_in_space(s, v, self.0, relaxation)
     }
 }
 

@@ -3,7 +3,6 @@
 //! Nothing of a larger mechanics is stored, computed or branched on in a smaller one. Outside the kernels, impulses and relative
 //! velocities are flat lists, [`Vector::LEN`] numbers of [`Mechanics::Impulse`] a contact, the normal one first.
 
-use crate::law::Lawful;
 use crate::sums::Sums;
 use crate::vector::{Numbers, Place, Vector};
 use crate::visit::Visited;
@@ -19,7 +18,7 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Inertia of a grain: mass (kg), and moment of inertia (kg m²), if there is a spin.
     type Mass: Mass<Self::Velocity>;
     /// Impulse at a contact (N·s), or relative velocity there (m/s).
-    type Impulse: Vector + Lawful;
+    type Impulse: Vector;
     /// One contact of a problem.
     type Contact: Touch<Self>;
     /// One contact in mass-scaled unknowns.
@@ -35,6 +34,19 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
 
     /// True where all solutions of a problem have the same velocity: far from a known one is then far from any.
     const HAS_ONE_VELOCITY: bool;
+}
+
+/// The list of what a function returns for each mechanics. To add one: its name here.
+#[macro_export]
+macro_rules! of_each_mechanics {
+    ($of:ident) => {
+        [
+            $of::<$crate::RoughDiscs>(),
+            $of::<$crate::Discs>(),
+            $of::<$crate::Spheres>(),
+            $of::<$crate::RoughSpheres>(),
+        ]
+    };
 }
 
 /// Inertia of a grain; or its inverse, which is of the same kind.
@@ -110,12 +122,12 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
 
 /// A contact of a mechanics as a sweep visits it, whatever the precision.
 pub trait VisitedIn<M: Mechanics>:
-    Visited<Velocity: Numbers<Double = M::Velocity>, Impulse: Lawful<Double = M::Impulse>>
+    Visited<Velocity: Numbers<Double = M::Velocity>, Impulse: Numbers<Double = M::Impulse>>
 {
 }
 
 impl<M: Mechanics, C> VisitedIn<M> for C where
-    C: Visited<Velocity: Numbers<Double = M::Velocity>, Impulse: Lawful<Double = M::Impulse>>
+    C: Visited<Velocity: Numbers<Double = M::Velocity>, Impulse: Numbers<Double = M::Impulse>>
 {
 }
 

@@ -39,21 +39,16 @@ pub type Single<M> = <<M as Mechanics>::Column as Column<M>>::Single;
 
 /// A contact that is visited with corrections of velocities in single precision, and impulses in double precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixed<C: Visited>
-where
-    <C::Impulse as Numbers>::Double: Lawful,
-{
+pub struct Mixed<C, L> {
     pub(crate) column: C,
-    /// Coefficient of friction in double precision.
-    pub(crate) coefficient: <<C::Impulse as Numbers>::Double as Lawful>::Friction,
+    /// Law in double precision.
+    pub(crate) law: L,
 }
 
-impl<C: Visited> Visited for Mixed<C>
-where
-    <C::Impulse as Numbers>::Double: Lawful,
-{
+impl<C: Visited, L: Lawful<<C::Impulse as Numbers>::Double>> Visited for Mixed<C, L> {
     type Velocity = C::Velocity;
     type Impulse = <C::Impulse as Numbers>::Double;
+    type Law = L;
 
     #[inline]
     fn places(&self) -> [u32; 2] {
@@ -71,7 +66,7 @@ where
     }
 
     #[inline]
-    fn coefficient(&self) -> <Self::Impulse as Lawful>::Friction {
-        self.coefficient
+    fn law(&self) -> L {
+        self.law
     }
 }

@@ -8,6 +8,7 @@
 //! has; or 1, where a method wants r as it is. Sweeps always have √`W_αα`.
 
 use crate::lanes::Number;
+use crate::law::Signorini;
 use crate::visit::Visited;
 use nalgebra::SVector;
 
@@ -40,6 +41,7 @@ impl<const D: usize> ScaledContact<D> {
 impl<const D: usize, N: Number> Visited for ScaledContact<D, N> {
     type Velocity = SVector<N, D>;
     type Impulse = N;
+    type Law = Signorini;
 
     #[inline]
     fn places(&self) -> [u32; 2] {
@@ -64,5 +66,7 @@ impl<const D: usize, N: Number> Visited for ScaledContact<D, N> {
     }
 
     #[inline]
-    fn coefficient(&self) {}
+    fn law(&self) -> Signorini {
+        Signorini
+    }
 }

@@ -2,10 +2,20 @@
 //! makes one parallel loop for all of the program instead of one for each closure.
 
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// A thread that sleeps takes some tens of microseconds to wake (ns).
 const WORTH_A_THREAD: usize = 100_000;
+
+/// The parallel sections of this process so far.
+static SECTIONS: AtomicUsize = AtomicUsize::new(0);
+
+/// Returns the number of parallel sections that this process has gone through. All its threads wait for the end of each, so that it
+/// counts barriers.
+pub fn sections() -> usize {
+    SECTIONS.load(Ordering::Relaxed)
+}
 
 /// Reports whether there are threads, and work of about so many `nanoseconds` is worth them: from a tenth of a millisecond on. Only time
 /// depends on it.
@@ -50,5 +60,6 @@ fn shared<T: Send>(items: impl Iterator<Item = T>, act: &(dyn Fn(usize, &mut T) 
 }
 
 fn in_threads(count: usize, act: &(dyn Fn(usize) + Sync)) {
+    SECTIONS.fetch_add(1, Ordering::Relaxed);
     (0..count).into_par_iter().for_each(act);
 }

@@ -17,7 +17,9 @@ pub trait Visited: Copy + Debug + PartialEq + Send + Sync {
     /// y of a grain.
     type Velocity: Numbers;
     /// s of a contact, or its relative velocity.
-    type Impulse: Lawful;
+    type Impulse: Numbers;
+    /// Law of the contact in these unknowns.
+    type Law: Lawful<Self::Impulse>;
 
     /// Returns the places of candidate and antagonist in y; at a wall twice that of the candidate.
     fn places(&self) -> [u32; 2];
@@ -50,13 +52,13 @@ pub trait Visited: Copy + Debug + PartialEq + Send + Sync {
         y[j as usize] += antagonist;
     }
 
-    /// Returns the coefficient of friction in these unknowns, if there is friction.
-    fn coefficient(&self) -> <Self::Impulse as Lawful>::Friction;
+    /// Returns the law in these unknowns.
+    fn law(&self) -> Self::Law;
 
     /// s⁺ − s of the law, see [`Lawful::change`].
     #[inline]
     fn change(&self, s: Self::Impulse, v: Self::Impulse, relaxation: f64) -> Self::Impulse {
-        s.change(v, self.coefficient(), relaxation)
+        self.law().change(s, v, relaxation)
     }
 
     /// Visits of contacts that share no grain, with the bits of one visit after the other.

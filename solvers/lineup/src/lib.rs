@@ -21,7 +21,7 @@ pub use hash::{content_hash, hash_of, hash_of_w};
 #[cfg(feature = "on-ranks")]
 pub use made::{MadeOf, make};
 pub use march::{Attempt, Body, OneMarch};
-pub use mechanics::{joined, march, problem};
+pub use mechanics::{joined, march, name_of, problem};
 pub use methods::{Cut, Entry, METHODS, Ours, Settings};
 pub use problem::{Observe, OneProblem, Run};
 pub use share::{FORMAT, Joined, OneShare, Part, Read};

@@ -1,4 +1,4 @@
-//! The mechanics by name. To add one: its line in [`MECHANICS`], and in the list of readers of its files in `cases/src/problem/any.rs`.
+//! The mechanics by name. To add one: its line in [`of_each_mechanics`].
 
 use crate::form::Form;
 use crate::march::OneMarch;
@@ -6,7 +6,7 @@ use crate::problem::OneProblem;
 use crate::share::{Joined, Read, joined_of};
 use anyhow::Result;
 use cases::{AnyFrozen, Case, CaseError, March};
-use contact::{Discs, RoughDiscs, RoughSpheres, Spheres, Vector};
+use contact::{Vector, of_each_mechanics};
 
 /// A mechanics behind interfaces in which it does not show.
 struct OfMechanics {
@@ -19,8 +19,7 @@ struct OfMechanics {
 }
 
 /// Every mechanics. A static, for a constant would be compiled again, methods and all, where it is used.
-static MECHANICS: [OfMechanics; 4] =
-    [of::<Discs>(), of::<RoughDiscs>(), of::<Spheres>(), of::<RoughSpheres>()];
+static MECHANICS: &[OfMechanics] = &of_each_mechanics!(of);
 
 const fn of<M: Form>() -> OfMechanics {
     OfMechanics {
@@ -68,7 +67,20 @@ pub fn joined(parts: Vec<Read>) -> Result<Joined> {
 /// # Panics
 /// Of a mechanics that is not in the table.
 pub fn march(case: &Case) -> Result<Box<dyn OneMarch>, CaseError> {
-    let (in_space, is_rough) = (case.in_space()?, case.scene.is_rough());
-    let fits = |one: &&OfMechanics| (one.in_space, one.has_friction) == (in_space, is_rough);
-    (MECHANICS.iter().find(fits).expect("there is one of each").march)(case)
+    (of_case(case)?.march)(case)
+}
+
+/// The mechanics of a case.
+fn of_case(case: &Case) -> Result<&'static OfMechanics, CaseError> {
+    let wanted = (case.in_space()?, case.scene.is_rough());
+    let fits = |one: &&OfMechanics| (one.in_space, one.has_friction) == wanted;
+    Ok(MECHANICS.iter().find(fits).expect("there is one of each"))
+}
+
+/// Returns the name of the mechanics of a case.
+///
+/// # Errors
+/// Names the file of its sample that cannot be read.
+pub fn name_of(case: &Case) -> Result<&'static str, CaseError> {
+    Ok(of_case(case)?.name)
 }

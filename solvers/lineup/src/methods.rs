@@ -13,6 +13,20 @@ use std::any::Any;
 /// Settings by their keys.
 pub type Settings = Map<String, Value>;
 
+/// A method in some mechanics, each with an engine that runs `here` alone or is `shared` by ranks.
+macro_rules! engines {
+    ($engine:ident, $solver:expr, [$($mechanics:ty),+]) => {
+        Ours::default()$(.and($engine::<_, $mechanics>($solver)))+
+    };
+}
+
+/// A method in every mechanics, see `engines`.
+macro_rules! every {
+    ($engine:ident, $solver:expr) => {
+        engines!($engine, $solver, [Discs, Spheres, RoughDiscs, RoughSpheres])
+    };
+}
+
 /// Entry of the table of methods.
 pub struct Entry {
     /// Name in plans and on the command line.
@@ -28,7 +42,7 @@ pub struct Entry {
 /// Every method. A static, for a constant would be compiled again, methods and all, where it is used.
 pub static METHODS: &[Entry] = &[
     Entry::new::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem", |s| build(s, nsgs)),
-    Entry::of_every::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation"),
+    Entry::new::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation", |s| build(s, jacobi)),
     Entry::new::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart", |s| build(s, cg)),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::new::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions", |s| {
@@ -47,9 +61,10 @@ pub static METHODS: &[Entry] = &[
         "primal-dual active set, begun by accelerated sweeps",
         |s| build(s, active_set),
     ),
-    Entry::of_every::<convex::Convex>(
+    Entry::new::<convex::Convex>(
         "convex",
         "convex relaxation of Coulomb's law, and the fixed point over it",
+        |s| build(s, convex),
     ),
     Entry::new::<newton_schur::NewtonSchur>(
         "newton-schur",
@@ -62,7 +77,7 @@ pub static METHODS: &[Entry] = &[
 
 fn nsgs(settings: &nsgs::Nsgs) -> Ours {
     let nsgs::Nsgs { acceleration, lag, slack, .. } = *settings;
-    Ours { local: Some(sweeps(Grid::ONE, acceleration, lag, slack)), ..every(settings) }
+    Ours { local: Some(sweeps(Grid::ONE, acceleration, lag, slack)), ..every!(here, settings) }
 }
 
 fn nsgs_dd(settings: &nsgs_dd::NsgsDd) -> Ours {
@@ -70,13 +85,22 @@ fn nsgs_dd(settings: &nsgs_dd::NsgsDd) -> Ours {
     Ours {
         cut: Some(Cut { grid: subdomains, scheme: partition, splits_mass: mass_splitting }),
         local: Some(sweeps(subdomains, acceleration, lag, slack)),
-        ..on_ranks(settings)
+        ..every!(shared, settings)
     }
+}
+
+fn jacobi(settings: &jacobi::Jacobi) -> Ours {
+    every!(here, settings)
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as the table calls every method")]
+fn convex(settings: &convex::Convex) -> Ours {
+    every!(here, settings)
 }
 
 fn latin_dd(settings: &latin_dd::LatinDd) -> Ours {
     let (grid, scheme) = (settings.subdomains, settings.partition);
-    Ours { cut: Some(Cut { grid, scheme, splits_mass: true }), ..on_ranks(settings) }
+    Ours { cut: Some(Cut { grid, scheme, splits_mass: true }), ..every!(shared, settings) }
 }
 
 fn newton_schur(settings: &newton_schur::NewtonSchur) -> Ours {
@@ -87,14 +111,17 @@ fn newton_schur(settings: &newton_schur::NewtonSchur) -> Ours {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "as the table calls every method")]
 fn cg(settings: &cg::Cg) -> Ours {
     let method = local::Method::Cg { preconditioner: settings.preconditioner };
-    Ours { local: Some(OnW { settings: &["preconditioner"], method: Ok(method) }), ..on_ranks(settings) }
+    Ours {
+        local: Some(OnW { settings: &["preconditioner"], method: Ok(method) }),
+        ..every!(shared, settings)
+    }
 }
 
 fn active_set(settings: &active_set::ActiveSet) -> Ours {
     let method = local::Method::ActiveSet {
         start_accuracy: settings.start_accuracy.unwrap_or(active_set::ACCURACY_OF_DEARER),
     };
-    Ours { local: Some(OnW { settings: &["start_accuracy"], method: Ok(method) }), ..every(settings) }
+    Ours { local: Some(OnW { settings: &["start_accuracy"], method: Ok(method) }), ..every!(here, settings) }
 }
 
 /// Sweeps where there is W alone.
@@ -211,14 +238,6 @@ impl Entry {
         Self::new::<S>(name, what, |settings| build(settings, smooth::<S>))
     }
 
-    /// A method for every mechanics.
-    const fn of_every<S>(name: &'static str, what: &'static str) -> Self
-    where
-        S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres> + Configured,
-    {
-        Self::new::<S>(name, what, |settings| build(settings, every::<S>))
-    }
-
     const fn new<S: Configured>(
         name: &'static str,
         what: &'static str,
@@ -272,23 +291,7 @@ fn build<S: Configured>(settings: Settings, ours: impl Fn(&S) -> Ours) -> Result
 }
 
 fn smooth<S: Solver + Solver<Spheres> + Clone + 'static>(solver: &S) -> Ours {
-    Ours::default().and(here::<S, Discs>(solver)).and(here::<S, Spheres>(solver))
-}
-
-fn every<S>(solver: &S) -> Ours
-where
-    S: Solver + Solver<Spheres> + Solver<RoughDiscs> + Solver<RoughSpheres> + Clone + 'static,
-{
-    smooth(solver).and(here::<S, RoughDiscs>(solver)).and(here::<S, RoughSpheres>(solver))
-}
-
-fn on_ranks<S>(solver: &S) -> Ours
-where
-    S: Distributed<Discs> + Distributed<Spheres> + Distributed<RoughDiscs> + Distributed<RoughSpheres>,
-    S: Clone + 'static,
-{
-    let smooth = Ours::default().and(shared::<S, Discs>(solver)).and(shared::<S, Spheres>(solver));
-    smooth.and(shared::<S, RoughDiscs>(solver)).and(shared::<S, RoughSpheres>(solver))
+    engines!(here, solver, [Discs, Spheres])
 }
 
 fn here<S: Solver<M> + Clone + 'static, M: Mechanics>(solver: &S) -> Engine<M> {

@@ -6,7 +6,7 @@
 
 use super::{Law, State};
 use contact::Vector;
-use contact::law::tangential;
+use contact::law::{self, tangential};
 use nalgebra::SVector;
 
 /// Status of the impulse of a contact.
@@ -94,6 +94,8 @@ impl<const D: usize> State<SVector<f64, D>> {
 }
 
 impl<const D: usize> Law for SVector<f64, D> {
+    type OfContact = law::Coulomb<f64>;
+
     type Status = Coulomb<D>;
 
     const MINIMISES: bool = false;

@@ -1,7 +1,7 @@
 //! Without friction: r ≥ 0, and min over it of q(r).
 
 use super::{Constants, Law, State};
-use contact::law::non_negative;
+use contact::law::{Signorini, non_negative};
 
 /// Returns `value` where r > 0 or u > 0, so that r ≥ 0 does not block it; else 0.
 #[inline]
@@ -11,6 +11,8 @@ fn unblocked(at: &State<f64>, value: f64) -> f64 {
 }
 
 impl Law for f64 {
+    type OfContact = Signorini;
+
     /// r before the step.
     type Status = f64;
 

@@ -3,7 +3,7 @@
 use super::{Cone, Frictional, RoughContact, RoughDiscs, RoughMass};
 use crate::gauge::Scaled;
 use crate::lanes::Number;
-use crate::law;
+use crate::law::{self, Coulomb};
 use crate::mechanics::{Column, Mechanics, Touch};
 use crate::vector::Numbers;
 use crate::visit::Visited;
@@ -70,6 +70,7 @@ impl Cone for RoughColumn {
 impl<N: Number> Visited for RoughColumn<N> {
     type Velocity = Vector3<N>;
     type Impulse = Vector2<N>;
+    type Law = Coulomb<N>;
 
     #[inline]
     fn places(&self) -> [u32; 2] {
@@ -96,8 +97,8 @@ impl<N: Number> Visited for RoughColumn<N> {
     }
 
     #[inline]
-    fn coefficient(&self) -> N {
-        self.friction
+    fn law(&self) -> Coulomb<N> {
+        Coulomb(self.friction)
     }
 }
 

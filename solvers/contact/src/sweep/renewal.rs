@@ -39,9 +39,9 @@ impl<M: Mechanics> Sweep<M> {
     }
 
     /// Returns the same contacts and impulses in mixed precision.
-    pub fn mixed(self) -> Sweep<M, Mixed<Single<M>>> {
+    pub fn mixed(self) -> Sweep<M, Mixed<Single<M>, <M::Column as Visited>::Law>> {
         let row = |row: &Row<M::Column>| Row {
-            column: Mixed { column: row.column.single(), coefficient: row.column.coefficient() },
+            column: Mixed { column: row.column.single(), law: row.column.law() },
             offset: row.offset,
         };
         let (rows, free) = (self.rows.iter().map(row).collect(), self.without_impulses());

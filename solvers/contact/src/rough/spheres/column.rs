@@ -7,7 +7,7 @@
 
 use super::{frame, joined, parts};
 use crate::lanes::{Lanes, Number, Side};
-use crate::law;
+use crate::law::{self, Coulomb};
 use crate::mechanics::{Column, Touch};
 use crate::rough::{Cone, RoughContact, RoughMass, RoughSpheres};
 use crate::vector::Numbers;
@@ -104,6 +104,7 @@ impl Cone for SphereColumn {
 impl<N: Number> Visited for SphereColumn<N> {
     type Velocity = Vector6<N>;
     type Impulse = Vector3<N>;
+    type Law = Coulomb<N>;
 
     #[inline]
     fn places(&self) -> [u32; 2] {
@@ -121,8 +122,8 @@ impl<N: Number> Visited for SphereColumn<N> {
     }
 
     #[inline(always)]
-    fn coefficient(&self) -> N {
-        self.columns.friction
+    fn law(&self) -> Coulomb<N> {
+        Coulomb(self.columns.friction)
     }
 
     #[inline(always)]

@@ -59,7 +59,7 @@ fn assert_visits_at_once_have_the_bits_of_visits_one_by_one<N: Number>(
         for (row, s) in rows.iter().zip(&mut s_alone) {
             row.solve(s, &mut y_alone, 0.9);
             let s = s.double();
-            let bound = row.column.coefficient().into() * s.x;
+            let bound = row.column.law().0.into() * s.x;
             let sticks = s.yz().norm() < 0.999 * bound;
             stuck += u32::from(plain && sticks);
             slid += u32::from(plain && s.x > 0.0 && !sticks);
