@@ -307,7 +307,7 @@ impl<M: Marched> Frozen<M> {
                 tangent: Vec::new(),
                 offset: contacts.iter().map(|contact| contact.offset().list()).collect(),
                 gap: self.gap.clone(),
-                friction: M::HAS_FRICTION.then(|| contacts.iter().filter_map(M::friction).collect()),
+                friction: M::HAS_FRICTION.then(|| contacts.iter().map(Touch::friction).collect()),
                 start: start.map(|k| M::Impulse::at(&self.start, k).list()).collect(),
             },
         }

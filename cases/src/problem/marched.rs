@@ -19,9 +19,6 @@ pub trait Marched: Mechanics<Place: Listed, Velocity: Listed, Impulse: Listed, M
     fn weight(mass: Self::Mass) -> f64 {
         mass.mass()
     }
-
-    /// μ of a contact, if the mechanics has friction (–).
-    fn friction(contact: &Self::Contact) -> Option<f64>;
 }
 
 /// A point, a direction, a velocity or an impulse as it stands in files.
@@ -128,10 +125,6 @@ where
         let Parts { candidate, antagonist, normal, offset, .. } = *parts;
         Contact { candidate, antagonist, normal, offset: offset[0] }
     }
-
-    fn friction(_: &Contact<D>) -> Option<f64> {
-        None
-    }
 }
 
 impl<const D: usize> Marched for Rough<D>
@@ -149,10 +142,6 @@ where
             offset: Vector::at(&offset, 0),
             friction,
         }
-    }
-
-    fn friction(contact: &RoughContact<D>) -> Option<f64> {
-        Some(contact.friction)
     }
 }
 
@@ -230,7 +219,7 @@ pub fn to_candidate<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Place
 pub fn slides<M: Marched>(contact: &M::Contact, r: M::Impulse, share: f64) -> bool {
     let mut list = [0.0; 3];
     r.put(&mut list, 0);
-    let bound = M::friction(contact).unwrap_or(0.0) * list[0];
+    let bound = contact.friction() * list[0];
     list[0] > 0.0 && !(list[1].hypot(list[2]) < (1.0 - share) * bound)
 }
 
@@ -245,7 +234,7 @@ pub(crate) fn kept<M: Marched>(contact: &M::Contact, r: M::Impulse) -> M::Impuls
 pub(crate) fn recalled<M: Marched>(contact: &M::Contact, kept: M::Impulse) -> M::Impulse {
     let mut r = [0.0; 3];
     kept.put(&mut r, 0);
-    let bound = |normal: f64| M::friction(contact).unwrap_or(0.0) * normal;
+    let bound = |normal: f64| contact.friction() * normal;
     match M::Impulse::LEN {
         // To the bit where the solver's start is admitted.
         1 if r[0] < 0.0 => r[0] = 0.0,

@@ -8,7 +8,7 @@ use crate::mechanics::{Column, Mass, Mechanics, Touch};
 use crate::scaled::ScaledContact;
 use crate::vector::Numbers;
 use gauge::Plain;
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector2};
 
 /// Grains without friction, in D dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +83,14 @@ impl<const D: usize> Touch<Smooth<D>> for Contact<D> {
     fn diagonal(&self, inverse_mass: impl Fn(u32) -> f64) -> f64 {
         let candidate = inverse_mass(self.candidate);
         self.antagonist.map_or(candidate, |j| candidate + inverse_mass(j))
+    }
+
+    fn arms(&self) -> Vector2<f64> {
+        Vector2::zeros()
+    }
+
+    fn friction(&self) -> f64 {
+        0.0
     }
 
     fn is_admissible(&self, r: f64) -> bool {

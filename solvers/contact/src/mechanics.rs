@@ -6,6 +6,7 @@
 use crate::sums::Sums;
 use crate::vector::{Numbers, Place, Vector};
 use crate::visit::Visited;
+use nalgebra::Vector2;
 use std::fmt::Debug;
 use std::ops::Range;
 
@@ -99,10 +100,11 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// `W_αα`, which is diagonal since normals pass through the centres (1/kg), with the inverse of the masses.
     fn diagonal(&self, inverse_mass: impl Fn(u32) -> M::Mass) -> M::Impulse;
 
+    /// `R_i` and `R_j`, the distances of the centres from the contact (m), where grains have a spin; else 0.
+    fn arms(&self) -> Vector2<f64>;
+
     /// μ (–); 0 without friction.
-    fn friction(&self) -> f64 {
-        0.0
-    }
+    fn friction(&self) -> f64;
 
     /// Reports whether the law admits r, up to round-off of a bound (N·s).
     fn is_admissible(&self, r: M::Impulse) -> bool;

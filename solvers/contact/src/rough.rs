@@ -196,6 +196,10 @@ where
         self.antagonist.map_or(candidate, |j| candidate + of(j, self.arms.y))
     }
 
+    fn arms(&self) -> Vector2<f64> {
+        self.arms
+    }
+
     fn friction(&self) -> f64 {
         self.friction
     }

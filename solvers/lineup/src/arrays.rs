@@ -29,6 +29,7 @@ pub struct Global {
 
 /// The arrays of a problem; contacts without friction get tangents with μ = 0.
 pub(crate) fn arrays<M: Form>(problem: &Packing<M>) -> Global {
+    const { assert!(M::Impulse::LEN == 1 || M::Impulse::LEN == M::Place::LEN, "a row for each direction") };
     let (size, d) = (M::Velocity::LEN, M::Place::LEN);
     let unit = |k: usize| {
         let list: Vec<f64> = (0..size).map(|other| f64::from(u8::from(other == k))).collect();
@@ -72,7 +73,7 @@ pub(crate) fn arrays<M: Form>(problem: &Packing<M>) -> Global {
         contact.offset().put(&mut offset, 0);
         offset.resize(d, 0.0);
         w.extend(offset);
-        friction.push(M::law(contact).1);
+        friction.push(contact.friction());
     }
     Global { mass, h, f, w, friction }
 }

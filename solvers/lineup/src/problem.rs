@@ -195,7 +195,7 @@ impl<M: Form> OneProblem for Frozen<M> {
             number(f64::from(candidate));
             number(antagonist.map_or(-1.0, f64::from));
             contact.normal().each(number);
-            let (arms, friction) = M::law(contact);
+            let (arms, friction) = (contact.arms(), contact.friction());
             if M::HAS_FRICTION {
                 arms.each(number);
             }
@@ -280,7 +280,7 @@ impl<M: Form> OneProblem for Frozen<M> {
     fn touching(&self) -> Vec<Touching> {
         let touching = |(contact, gap): (&M::Contact, &f64)| {
             let (candidate, antagonist) = contact.ends();
-            let (normal, friction) = (contact.normal().space(), M::law(contact).1);
+            let (normal, friction) = (contact.normal().space(), contact.friction());
             Touching { candidate, antagonist, normal, gap: *gap, friction }
         };
         self.problem.contacts().iter().zip(&self.gap).map(touching).collect()

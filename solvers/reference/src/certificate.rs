@@ -2,10 +2,10 @@
 //! mechanics: without friction there is no tangential part.
 
 use contact::{
-    Column, Contact, ContactProblem, Frictional, Mass, Mechanics, Rough, RoughContact, RoughMass, Smooth,
-    Touch, Vector, greatest, law,
+    Column, ContactProblem, Frictional, Mass, Mechanics, Rough, RoughMass, Smooth, Touch, Vector, greatest,
+    law,
 };
-use nalgebra::{SVector, Vector2};
+use nalgebra::SVector;
 use serde::Serialize;
 use std::fmt;
 
@@ -127,9 +127,6 @@ pub trait Certified: Mechanics {
 
     /// m (kg) and the moment of inertia (kg m²), if there is one.
     fn mass(mass: Self::Mass) -> RoughMass;
-
-    /// `R_i` and `R_j` (m), and μ (–): 0 without friction.
-    fn law(contact: &Self::Contact) -> (Vector2<f64>, f64);
 }
 
 impl<const D: usize> Certified for Smooth<D> {
@@ -139,10 +136,6 @@ impl<const D: usize> Certified for Smooth<D> {
 
     fn mass(mass: f64) -> RoughMass {
         RoughMass { mass, inertia: 0.0 }
-    }
-
-    fn law(_: &Contact<D>) -> (Vector2<f64>, f64) {
-        (Vector2::zeros(), 0.0)
     }
 }
 
@@ -156,10 +149,6 @@ where
 
     fn mass(mass: RoughMass) -> RoughMass {
         mass
-    }
-
-    fn law(contact: &RoughContact<D>) -> (Vector2<f64>, f64) {
-        (contact.arms, contact.friction)
     }
 }
 
@@ -182,7 +171,7 @@ impl Terms {
         let (mut pushes, mut arms) = (vec![0.0; grains], vec![f64::INFINITY; grains]);
         for (k, contact) in problem.contacts().iter().enumerate() {
             let own = M::Impulse::at(r, k);
-            for (grain, arm) in contact.grains().zip(M::law(contact).0.iter()) {
+            for (grain, arm) in contact.grains().zip(contact.arms().iter()) {
                 pushes[grain as usize] += own.dot_product(own).sqrt();
                 arms[grain as usize] = arm.min(arms[grain as usize]);
             }
@@ -289,7 +278,7 @@ pub fn certify<M: Certified>(problem: &ContactProblem<M>, r: &[f64]) -> Certific
     let of_b = of_b.map(|(contact, w)| Terms::of_b(problem, contact).powi(2) / w).sum::<f64>();
     let approaches = contacts().zip(&left);
     let cone = contacts().map(|(contact, r, _)| {
-        let bound = M::law(contact).1 * law::non_negative(r.first());
+        let bound = contact.friction() * law::non_negative(r.first());
         Residual::new(law::non_negative(tangential(r) - bound), terms.impulse.max(TERMS * bound))
     });
     let is_rough = M::HAS_FRICTION;

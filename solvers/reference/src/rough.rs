@@ -6,8 +6,8 @@ use crate::{Answer, Existence, existence, solve};
 use active_set::{ActiveSet, Start};
 use analysis::proves_infeasible;
 use contact::{
-    ContactProblem, Frictional, Mechanics, Packing, Rough, RoughContact, RoughMass, Smooth, Solver, Truth,
-    Vector, greatest, law,
+    ContactProblem, Frictional, Mechanics, Packing, Rough, RoughContact, RoughMass, Smooth, Solver, Touch,
+    Truth, Vector, greatest, law,
 };
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
@@ -198,7 +198,7 @@ fn drawn<M: Coulomb>(problem: &Packing<M>, seed: u64) -> Vec<f64> {
         while point.iter().map(|x| x * x).sum::<f64>() > 1.0 {
             point = along();
         }
-        r.extend(point.iter().map(|x| M::law(contact).1 * normal * x));
+        r.extend(point.iter().map(|x| contact.friction() * normal * x));
     }
     r
 }
