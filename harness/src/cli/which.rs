@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 /// Keys of settings with their values.
 type Set = &'static [(&'static str, &'static str)];
 
-/// The methods that are first in a field of the maps of the plan `which-method`, or not told from the first in many, each with its
-/// settings there. `nsgs` with ω = 1.93 is first alone in none.
+/// The methods that come first in fields of the maps of the plan `which-method`, or tie with the first in several, each with its
+/// settings there. Neither `nsgs` with a fixed ω nor `latin-dd` is first alone in any.
 const CANDIDATES: [(&str, Set); 6] = [
     ("nsgs", &[("acceleration", "nesterov")]),
     ("cg", &[("preconditioner", "diagonal")]),
