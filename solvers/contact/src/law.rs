@@ -71,7 +71,7 @@ pub trait Lawful<I: Numbers>: Copy + Debug + PartialEq + Send + Sync {
     fn change(self, s: I, v: I, relaxation: f64) -> I;
 }
 
-/// 0 ≤ v ⊥ s ≥ 0.
+/// The Signorini condition, 0 ≤ v ⊥ s ≥ 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signorini;
 

@@ -37,7 +37,7 @@ pub trait Mechanics: Copy + Debug + PartialEq + Send + Sync + 'static {
     const HAS_ONE_VELOCITY: bool;
 }
 
-/// The list of what a function returns for each mechanics. To add one: its name here.
+/// Lists the results of a function for each mechanics. To add one: its name here.
 #[macro_export]
 macro_rules! of_each_mechanics {
     ($of:ident) => {

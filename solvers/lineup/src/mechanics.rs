@@ -1,4 +1,4 @@
-//! The mechanics by name. To add one: its line in [`of_each_mechanics`].
+//! The mechanics by name. To add one: its name in [`of_each_mechanics`].
 
 use crate::form::Form;
 use crate::march::OneMarch;
@@ -70,7 +70,7 @@ pub fn march(case: &Case) -> Result<Box<dyn OneMarch>, CaseError> {
     (of_case(case)?.march)(case)
 }
 
-/// The mechanics of a case.
+/// Returns the mechanics of a case.
 fn of_case(case: &Case) -> Result<&'static OfMechanics, CaseError> {
     let wanted = (case.in_space()?, case.scene.is_rough());
     let fits = |one: &&OfMechanics| (one.in_space, one.has_friction) == wanted;
@@ -81,6 +81,9 @@ fn of_case(case: &Case) -> Result<&'static OfMechanics, CaseError> {
 ///
 /// # Errors
 /// Names the file of its sample that cannot be read.
+///
+/// # Panics
+/// Of a mechanics that is not in the table.
 pub fn name_of(case: &Case) -> Result<&'static str, CaseError> {
     Ok(of_case(case)?.name)
 }
