@@ -42,7 +42,9 @@ pub struct Entry {
 /// Every method. A static, for a constant would be compiled again, methods and all, where it is used.
 pub static METHODS: &[Entry] = &[
     Entry::new::<nsgs::Nsgs>("nsgs", "non-linear Gauss-Seidel on the whole problem", |s| build(s, nsgs)),
-    Entry::new::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation", |s| build(s, jacobi)),
+    Entry::new::<jacobi::Jacobi>("jacobi", "projected Jacobi with relaxation", |s| {
+        build::<jacobi::Jacobi>(s, |jacobi| every!(here, jacobi))
+    }),
     Entry::new::<cg::Cg>("cg", "conjugate projected gradient of Renouf & Alart", |s| build(s, cg)),
     Entry::of::<gradient::Gradient>("gradient", "projected gradient with a fixed step"),
     Entry::new::<latin_dd::LatinDd>("latin-dd", "LATIN by subdomains, with search directions", |s| {
@@ -64,7 +66,7 @@ pub static METHODS: &[Entry] = &[
     Entry::new::<convex::Convex>(
         "convex",
         "convex relaxation of Coulomb's law, and the fixed point over it",
-        |s| build(s, convex),
+        |s| build::<convex::Convex>(s, |convex| every!(here, convex)),
     ),
     Entry::new::<newton_schur::NewtonSchur>(
         "newton-schur",
@@ -87,15 +89,6 @@ fn nsgs_dd(settings: &nsgs_dd::NsgsDd) -> Ours {
         local: Some(sweeps(subdomains, acceleration, lag, slack)),
         ..every!(shared, settings)
     }
-}
-
-fn jacobi(settings: &jacobi::Jacobi) -> Ours {
-    every!(here, settings)
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "as the table calls every method")]
-fn convex(settings: &convex::Convex) -> Ours {
-    every!(here, settings)
 }
 
 fn latin_dd(settings: &latin_dd::LatinDd) -> Ours {
