@@ -3,35 +3,27 @@
 //! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
 //! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
-//! Where sweeps stall for the first time, an interior point solves the convex relaxation, which is the law where nothing slides, and
-//! sweeps resume from its impulses: it chooses load paths where sweeps drift for ever. Where they stall again, proximal points follow
-//! from the best impulses; where these stall too, that is the floor, and the end. Where factors do not fit in memory, sweeps are the
-//! only stage.
+//! Where sweeps stall, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where
+//! factors do not fit in memory, sweeps are the only stage.
 
+mod damped;
 mod exact;
 mod matrix;
 mod newton;
 mod path;
-mod proximal;
+mod points;
 
 use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, Start, accelerated};
-use crate::{ActiveSet, Best, Convex};
+use crate::{ActiveSet, Best};
 use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
+use damped::Damped;
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
-use proximal::Proximal;
+use points::{Approach, Points, Way};
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
-
-/// Largest [lift](Newton::lift_of) at which the relaxation is near the law, over the problem's scale (–): in frozen packings at rest
-/// of 250 and 1,000 discs and spheres it is at most 0.24, in driven ones at least 0.36.
-const LIFT: f64 = 0.3;
-
-/// Largest impulses of the relaxation over the best so far (–): between walls that hold, an interior point may let a self-stress grow
-/// without bound.
-const MOST: f64 = 10.0;
 
 /// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
@@ -41,8 +33,6 @@ const ROUND_OFF: f64 = 1e-12;
 enum Phase {
     /// Accelerated sweeps.
     Sweeps,
-    /// The interior point of the convex relaxation.
-    Relaxation,
     /// Proximal points.
     Proximal,
     /// Newton's method.
@@ -51,52 +41,20 @@ enum Phase {
     Ended,
 }
 
-/// Proximal points, which differ between plane and space.
-trait Points<const D: usize, const N: usize>: Sized
+struct Run<'p, W, const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
-    /// Begins at the best impulses; none, where the problem is too large.
-    fn new(newton: &Newton<D, N>, best: &Best) -> Option<Self>;
-
-    /// One proximal point, or a step towards it; what leaves at most `round_off` (√J) is nearly a solution.
-    fn advance(&mut self, newton: &mut Newton<D, N>, best: &mut Best, round_off: f64) -> Approach;
-
-    /// Work that is not Newton's method's.
-    fn work(&self) -> Work {
-        Work::default()
-    }
-}
-
-/// Result of a proximal point, or of a step towards it.
-enum Approach {
-    /// Residual at round-off.
-    Solved,
-    /// Newton's method ends it.
-    Nearly,
-    On,
-    /// Nothing leads on.
-    InVain,
-}
-
-struct Run<'p, P, const D: usize, const N: usize>
-where
-    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
-{
-    problem: &'p Packing<Rough<D>>,
-    /// Accelerated sweeps, and how many; work of those that ended.
+    /// Accelerated sweeps, and how many.
     sweeps: Box<dyn Iteration + 'p>,
     swept: u64,
     /// Sweeps after which a factor may be made, once the time that it takes is known: it waits until sweeps have had as much.
     due: Option<u64>,
-    ended: Work,
     /// Residual of the sweeps when it was last halved (√J), and after how many of them.
     halved: (f64, u64),
     newton: Newton<D, N>,
-    /// The relaxation, once sweeps have stalled.
-    relaxation: Option<Convex<D, N>>,
-    /// Proximal points, once sweeps have stalled again.
-    points: Option<P>,
+    /// Proximal points, once sweeps have stalled.
+    points: Option<Points<W>>,
     phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,
@@ -105,7 +63,7 @@ where
     best: Best,
 }
 
-impl<P: Points<D, N>, const D: usize, const N: usize> Run<'_, P, D, N>
+impl<W: Way<D, N>, const D: usize, const N: usize> Run<'_, W, D, N>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
@@ -128,7 +86,7 @@ where
             self.best = Best { left, impulses: r };
             self.try_newton();
         } else if has_stalled || !left.is_finite() {
-            self.begin_relaxation();
+            self.begin_points();
         }
     }
 
@@ -144,47 +102,10 @@ where
         self.newton.sweeps_of_factor().filter(|sweeps| *sweeps > PATIENCE).unwrap_or(0)
     }
 
-    /// The relaxation, or proximal points where it has been tried or is far from the law; neither, where factors do not fit in memory.
-    fn begin_relaxation(&mut self) {
-        let is_new = self.relaxation.is_none() && self.newton.prepare().is_ok();
-        if is_new && self.newton.lift_of(&self.best.impulses) <= LIFT * self.scale {
-            self.relaxation = Convex::new(self.problem).ok();
-        }
-        if is_new && self.relaxation.is_some() {
-            self.phase = Phase::Relaxation;
-        } else {
-            self.begin_points();
-        }
-    }
-
-    /// One step of the interior point. Where it ends, sweeps resume from its impulses, and must leave less than the best so far before
-    /// they stall.
-    fn relax(&mut self) {
-        let Some(relaxation) = &mut self.relaxation else { return };
-        if relaxation.step() {
-            return;
-        }
-        self.phase = Phase::Sweeps;
-        let mut r = vec![0.0; self.best.impulses.len()];
-        relaxation.impulses(&mut r);
-        let size = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>().sqrt();
-        if !(size(&r) <= MOST * size(&self.best.impulses)) {
-            return self.begin_points();
-        }
-        self.ended += self.sweeps.work();
-        // What was possible once is so again.
-        if let Ok(sweeps) = accelerated(self.problem, &r) {
-            self.sweeps = sweeps;
-        }
-        self.halved = (2.0 * self.best.left, self.swept);
-    }
-
-    /// Proximal points from the best impulses.
+    /// Proximal points from the best impulses; none, where factors do not fit in memory.
     fn begin_points(&mut self) {
         if self.newton.prepare().is_ok() {
-            self.points = P::new(&self.newton, &self.best);
-        }
-        if self.points.is_some() {
+            self.points = Some(Points::new(&self.newton, &self.best));
             self.phase = Phase::Proximal;
         }
     }
@@ -195,7 +116,7 @@ where
         match points.advance(&mut self.newton, &mut self.best, ROUND_OFF * self.scale) {
             Approach::On => {}
             Approach::Nearly => self.try_newton(),
-            Approach::Solved | Approach::InVain => self.phase = Phase::Ended,
+            Approach::InVain => self.phase = Phase::Ended,
         }
     }
 
@@ -224,14 +145,13 @@ where
     }
 }
 
-impl<P: Points<D, N>, const D: usize, const N: usize> Iteration for Run<'_, P, D, N>
+impl<W: Way<D, N>, const D: usize, const N: usize> Iteration for Run<'_, W, D, N>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
     fn advance(&mut self) {
         match self.phase {
             Phase::Sweeps => self.sweep(),
-            Phase::Relaxation => self.relax(),
             Phase::Proximal => self.proximal(),
             Phase::Newton => self.newton_step(),
             Phase::Ended => {}
@@ -250,18 +170,15 @@ where
     }
 
     fn work(&self) -> Work {
-        let mut work = self.ended;
-        work += self.sweeps.work();
-        self.relaxation.iter().for_each(|relaxation| work += relaxation.work());
+        let mut work = self.sweeps.work();
         work += self.newton.work();
-        self.points.iter().for_each(|points| work += points.work());
         work
     }
 }
 
 impl ActiveSet {
     /// A run with friction from the impulses `r0` (N·s).
-    fn with_friction<'p, P: Points<D, N> + 'static, const D: usize, const N: usize>(
+    fn with_friction<'p, W: Way<D, N> + 'static, const D: usize, const N: usize>(
         &self,
         problem: &'p Packing<Rough<D>>,
         r0: &[f64],
@@ -277,15 +194,12 @@ impl ActiveSet {
         let at_once = self.start == Some(Start::ColdSet);
         let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
         let left = newton.left_by(r0);
-        let mut run: Run<P, D, N> = Run {
-            problem,
+        let mut run: Run<W, D, N> = Run {
             sweeps: accelerated(problem, r0)?,
             swept: 0,
             due: None,
-            ended: Work::default(),
             halved: (f64::INFINITY, 0),
             newton,
-            relaxation: None,
             points: None,
             phase: Phase::Sweeps,
             rung: accuracy * scale,
@@ -316,6 +230,6 @@ impl Solver<RoughSpheres> for ActiveSet {
         problem: &'p Packing<RoughSpheres>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.with_friction::<Proximal, 3, 6>(problem, r0)
+        self.with_friction::<Damped, 3, 6>(problem, r0)
     }
 }

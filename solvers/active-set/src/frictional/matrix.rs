@@ -3,10 +3,16 @@
 
 use crate::layout::{ColumnOf, Layout};
 use cholesky::{Lu, OneWay, Order, Structure};
-use contact::status::{Slide, Status, unit};
+use contact::status::{Slide, Status, unit, wanted};
 use contact::{Cone, Frictional, Rough, RoughColumn, SetupError, Visited, Work};
 use nalgebra::{DMatrix, DVector, Dyn, LU, SMatrix, SVector, Vector2};
 use std::sync::Arc;
+
+/// Solves of one system, at most: each makes good what ε or round-off left of the one before.
+const SOLVES: u32 = 6;
+
+/// Share of what a solve had before it that is left after it, at most, or no other follows (–).
+const WORTH_ANOTHER: f64 = 0.1;
 
 /// K, of which the structure never changes.
 pub(super) struct Matrix<const D: usize, const N: usize> {
@@ -98,12 +104,7 @@ where
     /// K δy = −Σ H̃ g(v),   δs = −g(v + H̃ᵗ δy),   K = 1 + Σ H̃ P H̃ᵗ,   P = ∂g/∂v
     ///
     /// with g the [answer](Status::answer) of the status of each contact.
-    pub(super) fn correct(
-        &mut self,
-        columns: &[ColumnOf<D>],
-        v: &[SVector<f64, D>],
-        s: &mut [SVector<f64, D>],
-    ) {
+    fn correct(&mut self, columns: &[ColumnOf<D>], v: &[SVector<f64, D>], s: &mut [SVector<f64, D>]) {
         let mut change = vec![SVector::zeros(); self.structure.position().len()];
         for (k, column) in columns.iter().enumerate() {
             column.push(-self.answer(columns, k, s[k], v[k]), &mut change);
@@ -112,6 +113,31 @@ where
         for (k, column) in columns.iter().enumerate() {
             s[k] -= self.answer(columns, k, s[k], v[k] + column.relative(&change));
         }
+    }
+
+    /// Corrects s while what its `velocity` moves against the statuses falls to less than [`WORTH_ANOTHER`] of it each time, and until
+    /// `is_enough` of s, v and what is left (√J). Returns v.
+    pub(super) fn settle(
+        &mut self,
+        columns: &[ColumnOf<D>],
+        s: &mut [SVector<f64, D>],
+        velocity: impl Fn(&[SVector<f64, D>]) -> Vec<SVector<f64, D>>,
+        is_enough: impl Fn(&[SVector<f64, D>], &[SVector<f64, D>], f64) -> bool,
+    ) -> Vec<SVector<f64, D>> {
+        let mut v = velocity(s);
+        let mut left = wanted(&self.status, s, &v);
+        for _ in 0..SOLVES {
+            if is_enough(s, &v, left) {
+                break;
+            }
+            self.correct(columns, &v, s);
+            v = velocity(s);
+            let before = std::mem::replace(&mut left, wanted(&self.status, s, &v));
+            if !(left < WORTH_ANOTHER * before) {
+                break;
+            }
+        }
+        v
     }
 
     /// Returns the answer of a contact.

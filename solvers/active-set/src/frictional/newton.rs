@@ -6,24 +6,16 @@
 
 use super::matrix::Matrix;
 use crate::Best;
-use crate::layout::{ColumnOf, Drawn, Layout};
+use crate::layout::{Drawn, Layout};
 use crate::start::Start;
-use contact::law::tangential;
-use contact::status::wanted;
 use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::SVector;
 
 /// ε of Newton's method alone (–): what sticks more than motion allows keeps its impulses but for so much.
 const EPSILON: f64 = 1e-6;
 
-/// Solves with one factor, at most: each makes good what ε or round-off left of the one before.
-const SOLVES: u32 = 6;
-
-/// The share of what a solve had before it that is left after it, at most, or no other follows (–).
-const WORTH_ANOTHER: f64 = 0.1;
-
 /// A shorter step over the one before (–).
-const SHORTER: f64 = 0.2;
+const SHORTER: f64 = 0.5;
 
 /// The share of a step that must come off what is left, times the length of the step (–).
 const WORTH_IT: f64 = 0.1;
@@ -60,7 +52,7 @@ where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
     /// Without a point that draws.
-    const ALONE: Drawn<'static, D> = Drawn { epsilon: EPSILON, centre: None };
+    pub(super) const ALONE: Drawn<'static, D> = Drawn { epsilon: EPSILON, centre: None };
 
     /// Shorter steps that are tried. In the plane, where the law is piecewise linear, a whole step ends it, or sweeps lead on.
     const SHORTENED: u32 = if D == 2 { 0 } else { 3 };
@@ -91,15 +83,11 @@ where
         self.left(Self::ALONE, &self.layout.scaled(r))
     }
 
-    /// Returns what the convex relaxation lifts contacts by that carry the impulses `r` (N·s) and slide: √(Σ min(σ, `s_n`)²) with
-    /// σ = μ|`v_t`| (√J).
-    pub(super) fn lift_of(&self, r: &[f64]) -> f64 {
-        let s = self.layout.scaled(r);
-        let v = self.layout.velocity(&s);
-        let of = |((s, v), column): ((&SVector<f64, D>, &SVector<f64, D>), &ColumnOf<D>)| {
-            (column.friction() * tangential(*v).1).min(s[0]).powi(2)
-        };
-        s.iter().zip(&v).zip(&self.layout.columns).map(of).sum::<f64>().sqrt()
+    /// Returns the problem and the matrix; none, where it does not fit in memory.
+    pub(super) fn parts(&mut self) -> Option<(&Layout<D, N>, &mut Matrix<D, N>)> {
+        self.prepare().ok()?;
+        let matrix = self.matrix.iter_mut().flatten().next()?;
+        Some((&self.layout, matrix))
     }
 
     /// Takes the impulses `r` (N·s); returns what they leave of the law (√J).
@@ -158,18 +146,13 @@ where
         }
         let own = s.iter().zip(&status).zip(&layout.columns);
         let mut s: Vec<_> = own.map(|((s, status), column)| status.project(*s, column.friction())).collect();
-        let mut v = drawn.velocity(layout, &s);
-        let mut left = wanted(&status, &s, &v);
-        for _ in 0..SOLVES {
-            matrix.correct(&layout.columns, &v, &mut s);
-            v = drawn.velocity(layout, &s);
-            let before = std::mem::replace(&mut left, wanted(&status, &s, &v));
-            // An impulse in a new direction changes the statuses again.
-            let is_new = status.iter().zip(&s).zip(&v).any(|((status, s), v)| status.is_new(*s, *v));
-            if !(left < WORTH_ANOTHER * before) || is_new {
-                break;
-            }
-        }
+        // An impulse in a new direction changes the statuses again.
+        matrix.settle(
+            &layout.columns,
+            &mut s,
+            |s| drawn.velocity(layout, s),
+            |s, v, _| status.iter().zip(s).zip(v).any(|((status, s), v)| status.is_new(*s, *v)),
+        );
         s.iter().all(|s| s.iter().all(|x| x.is_finite())).then_some(s)
     }
 

@@ -13,80 +13,47 @@ mod tests;
 
 use super::matrix::Matrix;
 use crate::layout::{Drawn, Layout, norm};
-use contact::status::{Status, wanted};
-use contact::{SetupError, Visited, Work};
+use contact::Visited;
+use contact::status::Status;
 use line::{End, Line};
 use nalgebra::{Vector2, Vector3};
 
 /// Lines of one path, at most.
-const LINES: u32 = 400;
-
-/// t beyond which a path has gone away (–).
-const AWAY: f64 = 3.0;
+const LINES: u32 = 200;
 
 /// Changes of status after which the matrix is factorised anew.
 const CHANGES: usize = 30;
 
-/// Solves of one system, at most: each makes good what round-off left of the one before.
-const SOLVES: u32 = 5;
+/// Largest motion of held velocities, along a line over the change of the impulses, and at its end over the impulses (–).
+const ROUND_OFF: f64 = 1e-14;
 
-/// The share of what a solve had before it that is left after it, at most, or no other follows (–).
-const WORTH_ANOTHER: f64 = 0.1;
-
-/// Largest motion of held velocities: along a line over the change of the impulses; over the impulses where a line ends, and the path (–).
-const ALONG: f64 = 1e-10;
-const UNDERWAY: f64 = 1e-13;
-const ROUND_OFF: f64 = 1e-15;
-
-/// A solution of the law, and the path's place on it.
-pub(super) struct Path {
-    pub(super) layout: Layout<2, 3>,
-    pub(super) status: Vec<Status<2>>,
-    pub(super) s: Vec<Vector2<f64>>,
-    matrix: Matrix<2, 3>,
-    /// Sweeps over contacts.
-    sweeps: u64,
-}
-
-/// Part of the problem that a path changes.
-pub(super) struct Change<'a> {
-    /// ε (–).
-    pub(super) epsilon: f64,
-    /// Towards which ε draws (√J).
-    pub(super) centre: &'a [Vector2<f64>],
+/// A solution of the law, and the problem that the path changes.
+pub(super) struct Path<'a> {
+    pub(super) layout: &'a Layout<2, 3>,
+    pub(super) matrix: &'a mut Matrix<2, 3>,
+    /// ε (–) and the centre (√J).
+    pub(super) drawn: Drawn<'a, 2>,
     /// p (√J).
     pub(super) perturbation: &'a [Vector2<f64>],
+    pub(super) status: Vec<Status<2>>,
+    /// √J.
+    pub(super) s: Vec<Vector2<f64>>,
 }
 
-impl Path {
-    /// Lays a packing out, with s = 0.
-    ///
-    /// # Errors
-    /// Where it is too large for that.
-    pub(super) fn new(layout: Layout<2, 3>) -> Result<Self, SetupError> {
-        let count = layout.columns.len();
-        Ok(Self {
-            matrix: Matrix::new(&layout)?,
-            status: vec![Status::Open; count],
-            s: vec![Vector2::zeros(); count],
-            layout,
-            sweeps: 0,
-        })
-    }
-
-    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0. Returns the lines that it had; `None` where it
-    /// comes back to where it began, goes away, or has too many.
-    pub(super) fn follow(&mut self, change: &Change) -> Option<u32> {
+impl Path<'_> {
+    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0; `None` where it comes
+    /// back to where it began, leads nowhere, or has too many lines.
+    pub(super) fn follow(&mut self) -> Option<()> {
         let start = self.status.clone();
         let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status<2>)>, 0_usize);
-        if !self.matrix.is_of(&self.status, change.epsilon) && !self.factorise(change.epsilon) {
+        if !self.matrix.is_of(&self.status, self.drawn.epsilon) && !self.factorise() {
             return None;
         }
-        for line in 0..LINES {
-            let along = self.respond(change.epsilon, change.perturbation);
+        for _ in 0..LINES {
+            let along = self.respond();
             let forth = crossed.is_some_and(|(contact, before)| self.enters(contact, before, &along));
             let sign = if forth { 1.0 } else { -1.0 };
-            let v = self.velocity(change, t);
+            let v = self.velocity(t);
             let end = self.end(crossed, &v, sign, &along);
             let arrives = !forth && end.is_none_or(|end| end.at >= t);
             let far = if arrives { t } else { end?.at };
@@ -94,9 +61,9 @@ impl Path {
                 *s += sign * far * ds;
             }
             t = if arrives { 0.0 } else { t + sign * far };
-            self.correct(change, t);
+            self.correct(t);
             if arrives {
-                return Some(line);
+                return Some(());
             }
             let End { contact, next, .. } = end?;
             let before = std::mem::replace(&mut self.status[contact], next);
@@ -105,7 +72,7 @@ impl Path {
             if next == Status::Open {
                 self.s[contact] = Vector2::zeros();
             }
-            if away_from_start == 0 || t > AWAY || !self.update(contact, change.epsilon) {
+            if away_from_start == 0 || !self.update(contact) {
                 return None;
             }
             crossed = Some((contact, before));
@@ -114,101 +81,51 @@ impl Path {
     }
 
     /// v + ε (s − centre) + t p of s, which the law holds for.
-    pub(super) fn velocity(&self, change: &Change, t: f64) -> Vec<Vector2<f64>> {
-        let drawn = Drawn { epsilon: change.epsilon, centre: Some(change.centre) };
-        let mut v = drawn.velocity(&self.layout, &self.s);
-        v.iter_mut().zip(change.perturbation).for_each(|(v, p)| *v += t * p);
+    pub(super) fn velocity(&self, t: f64) -> Vec<Vector2<f64>> {
+        let mut v = self.drawn.velocity(self.layout, &self.s);
+        v.iter_mut().zip(self.perturbation).for_each(|(v, p)| *v += t * p);
         v
     }
 
-    /// The change of s, and of v, that answers velocities `added` (√J): such that nothing moves that is held.
-    fn respond(&mut self, epsilon: f64, added: &[Vector2<f64>]) -> Line {
-        let mut ds = vec![Vector2::zeros(); added.len()];
-        let mut dv = added.to_vec();
-        let mut moves = f64::INFINITY;
-        for _ in 0..SOLVES {
-            self.matrix.correct(&self.layout.columns, &dv, &mut ds);
-            let y = self.layout.pushed(vec![Vector3::zeros(); self.layout.grains()], &ds);
-            let of = self.layout.columns.iter().zip(&ds).zip(added);
-            dv = of.map(|((column, ds), added)| column.relative(&y) + epsilon * ds + added).collect();
-            let before = std::mem::replace(&mut moves, wanted(&self.status, &ds, &dv));
-            if moves <= ALONG * (norm(&ds) + norm(added)) || moves > WORTH_ANOTHER * before {
-                break;
-            }
-        }
+    /// The change of s, and of v, that answers p: such that nothing moves that is held.
+    fn respond(&mut self) -> Line {
+        let Self { layout, matrix, drawn, perturbation, .. } = self;
+        let mut ds = vec![Vector2::zeros(); perturbation.len()];
+        let velocity = |ds: &[Vector2<f64>]| {
+            let y = layout.pushed(vec![Vector3::zeros(); layout.grains()], ds);
+            let of = layout.columns.iter().zip(ds).zip(*perturbation);
+            of.map(|((column, ds), p)| column.relative(&y) + drawn.epsilon * ds + p).collect()
+        };
+        let dv = matrix.settle(&layout.columns, &mut ds, velocity, |ds, _, left| {
+            left <= ROUND_OFF * (norm(ds) + norm(perturbation))
+        });
         Line { ds, dv }
     }
 
     /// Takes back what moves of that which is held, at t: round-off of the line that led there.
-    fn correct(&mut self, change: &Change, t: f64) {
-        let allowed = if t == 0.0 { ROUND_OFF } else { UNDERWAY };
-        let mut moves = f64::INFINITY;
-        for _ in 0..SOLVES {
-            let v = self.velocity(change, t);
-            let before = std::mem::replace(&mut moves, wanted(&self.status, &self.s, &v));
-            if moves <= allowed * (norm(&self.s) + self.layout.terms_of_b) || moves > WORTH_ANOTHER * before {
-                break;
-            }
-            self.matrix.correct(&self.layout.columns, &v, &mut self.s);
-        }
+    fn correct(&mut self, t: f64) {
+        let Self { layout, matrix, drawn, perturbation, s, .. } = self;
+        let velocity = |s: &[Vector2<f64>]| {
+            let mut v = drawn.velocity(layout, s);
+            v.iter_mut().zip(*perturbation).for_each(|(v, p)| *v += t * p);
+            v
+        };
+        matrix.settle(&layout.columns, s, velocity, |s, _, left| {
+            left <= ROUND_OFF * (norm(s) + layout.terms_of_b)
+        });
     }
 
-    /// The matrix of the statuses that there are; says whether it has an inverse.
-    fn factorise(&mut self, epsilon: f64) -> bool {
-        self.matrix.factorise(&self.layout.columns, &self.status, epsilon)
+    /// Factorises the matrix of the statuses and reports whether it has an inverse.
+    fn factorise(&mut self) -> bool {
+        self.matrix.factorise(&self.layout.columns, &self.status, self.drawn.epsilon)
     }
 
     /// Updates the factor after a contact changed its status; reports whether there is one.
-    fn update(&mut self, contact: usize, epsilon: f64) -> bool {
+    fn update(&mut self, contact: usize) -> bool {
         if self.matrix.changes() < CHANGES {
             self.matrix.change(&self.layout.columns, contact, self.status[contact])
         } else {
-            self.factorise(epsilon)
+            self.factorise()
         }
-    }
-
-    /// Takes s as it is, with the statuses of s − v: returns the velocities for which the law holds with the nearest impulses that it
-    /// admits, which s then is.
-    pub(super) fn begin(&mut self) -> Vec<Vector2<f64>> {
-        let v = self.layout.velocity(&self.s);
-        self.status = self.layout.statuses(&self.s, &v);
-        let moved: Vec<_> = self.s.iter().zip(&v).map(|(s, v)| s - v).collect();
-        self.s = self.layout.admitted(&moved);
-        self.s.iter().zip(&moved).map(|(s, moved)| s - moved).collect()
-    }
-
-    /// Work so far.
-    pub(super) fn work(&self) -> Work {
-        let mut work = self.matrix.work();
-        work.contact_updates += self.sweeps * self.s.len() as u64;
-        work
-    }
-
-    /// Takes from velocities what contacts must not have.
-    pub(super) fn free_of_held(&self, v: &mut [Vector2<f64>]) {
-        for (v, status) in v.iter_mut().zip(&self.status) {
-            match status {
-                Status::Open => {}
-                Status::Stick => *v = Vector2::zeros(),
-                Status::Slide(_) => v.x = 0.0,
-            }
-        }
-    }
-
-    /// Sweeps over the contacts.
-    pub(super) fn sweep(&mut self, sweeps: u32) {
-        self.sweeps += u64::from(sweeps);
-        self.layout.sweep(Drawn { epsilon: 0.0, centre: None }, &mut self.s, sweeps);
-    }
-
-    /// Returns the residual of s, made admissible (√J).
-    pub(super) fn left(&self) -> f64 {
-        let s = self.layout.admitted(&self.s);
-        self.layout.left(&s, &self.layout.velocity(&s))
-    }
-
-    /// Reports whether the residual of s is round-off.
-    pub(super) fn is_solved(&self) -> bool {
-        self.layout.is_round_off(self.left(), &self.s)
     }
 }

@@ -19,7 +19,7 @@ pub(super) struct Line {
     pub(super) dv: Vec<Vector2<f64>>,
 }
 
-impl Path {
+impl Path<'_> {
     /// Reports whether a contact comes into the status that it now has, from the one before, as t grows.
     pub(super) fn enters(&self, contact: usize, before: Status<2>, along: &Line) -> bool {
         let (ds, dv) = (along.ds[contact], along.dv[contact]);
@@ -75,29 +75,5 @@ impl Path {
             }
         }
         first
-    }
-
-    /// Returns the number of times that a change of s can be added until something opens or begins to slide; infinite if nothing does.
-    pub(in super::super) fn room(&self, change: &[Vector2<f64>]) -> f64 {
-        let mut least = f64::INFINITY;
-        for (((s, d), status), column) in
-            self.s.iter().zip(change).zip(&self.status).zip(&self.layout.columns)
-        {
-            if *status == Status::Open {
-                continue;
-            }
-            if d.x < 0.0 {
-                least = least.min(s.x / -d.x);
-            }
-            if *status == Status::Stick {
-                for side in [1.0, -1.0] {
-                    let closing = side * d.y - column.friction() * d.x;
-                    if closing > 0.0 {
-                        least = least.min((column.friction() * s.x - side * s.y) / closing);
-                    }
-                }
-            }
-        }
-        least.max(0.0)
     }
 }

@@ -1,8 +1,8 @@
 //! Properties of paths by their theory, and changes of the matrix.
 
 use super::super::matrix::Matrix;
-use super::{Change, Path};
-use crate::layout::Layout;
+use super::Path;
+use crate::layout::{Drawn, Layout, norm};
 use contact::law::admissible;
 use contact::status::Status;
 use contact::{Cone, Packing, RoughContact, RoughMass};
@@ -45,22 +45,28 @@ fn packing(seed: u64, grains: u32) -> Packing<contact::RoughDiscs> {
 fn a_path_from_open_contacts_ends_at_a_solution_of_coulombs_law() {
     for seed in 0..200 {
         let problem = packing(seed, 3 + (seed % 6) as u32);
-        let mut path = Path::new(Layout::new(&problem)).unwrap();
-        let none = path.s.clone();
-        let b = path.layout.velocity(&none);
+        let layout = Layout::new(&problem);
+        let mut matrix = Matrix::new(&layout).unwrap();
+        let none = vec![Vector2::zeros(); layout.columns.len()];
+        let b = layout.velocity(&none);
         let open = |(b, column): (&Vector2<f64>, &contact::RoughColumn)| {
             Vector2::new(b.x.abs() + column.friction() * b.y.abs() + 0.1, 0.0)
         };
-        let perturbation: Vec<_> = b.iter().zip(&path.layout.columns).map(open).collect();
+        let perturbation: Vec<_> = b.iter().zip(&layout.columns).map(open).collect();
         for epsilon in [1e-1, 1e-4] {
-            path.s.clone_from(&none);
-            path.status.fill(Status::Open);
-            let change = Change { epsilon, centre: &none, perturbation: &perturbation };
-            let lines = path.follow(&change).unwrap_or_else(|| panic!("seed {seed}, ε {epsilon}"));
-            assert!(lines > 0, "seed {seed}: the packing would fly apart");
-            let left = path.layout.left(&path.s, &path.velocity(&change, 0.0));
+            let mut path = Path {
+                layout: &layout,
+                matrix: &mut matrix,
+                drawn: Drawn { epsilon, centre: Some(&none) },
+                perturbation: &perturbation,
+                status: vec![Status::Open; none.len()],
+                s: none.clone(),
+            };
+            path.follow().unwrap_or_else(|| panic!("seed {seed}, ε {epsilon}"));
+            assert!(norm(&path.s) > 0.0, "seed {seed}: the packing would fly apart");
+            let left = layout.left(&path.s, &path.velocity(0.0));
             assert!(left < 1e-10, "seed {seed}, ε {epsilon}: {left}");
-            for (s, column) in path.s.iter().zip(&path.layout.columns) {
+            for (s, column) in path.s.iter().zip(&layout.columns) {
                 assert!((s - admissible(*s, column.friction())).norm() < 1e-10, "seed {seed}: {s}");
             }
         }

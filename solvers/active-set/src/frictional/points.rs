@@ -1,0 +1,132 @@
+//! Proximal points: ε draws the impulses to those of the point before, with v + ε (s − centre) in the place of v.
+//!
+//! Where more sticks than motion allows, sweeps of non-linear Gauss-Seidel move impulses along the kernel of W by the same amount each
+//! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls after a point that
+//! leaves less than the one before. It grows where none is reached, and every second time sweeps look for another beginning.
+//!
+//! R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14 (1976) 877-898; Coulomb's law is
+//! not monotone, so nothing is promised.
+
+use super::newton::Newton;
+use crate::Best;
+use crate::layout::Drawn;
+use contact::{Frictional, Rough};
+use nalgebra::SVector;
+
+/// ε of the first point (–).
+const FIRST: f64 = 1e-3;
+
+/// Factor by which ε falls and grows (–).
+const FACTOR: f64 = 2.0;
+
+/// Sweeps after every second point that is not reached.
+const SWEEPS: u32 = 200;
+
+/// Points in which the residual is not halved, after which nothing leads on.
+const PATIENCE: u32 = 300;
+
+/// A method that leads from one point to the next.
+pub(super) trait Way<const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Begins at s (√J).
+    fn begin(newton: &Newton<D, N>, s: &[SVector<f64, D>]) -> Self;
+
+    /// Advances by one step towards the point that ε (–) draws to the one before.
+    fn advance(&mut self, newton: &mut Newton<D, N>, epsilon: f64) -> Leads;
+
+    /// Returns the iterate (√J): where no step leads on, the point before.
+    fn s(&self) -> &[SVector<f64, D>];
+}
+
+/// Result of a step towards a point.
+pub(super) enum Leads {
+    /// To the point.
+    There,
+    On,
+    /// Back to the point before.
+    Nowhere,
+}
+
+/// Result of a proximal point, or of a step towards it.
+pub(super) enum Approach {
+    /// Newton's method ends it.
+    Nearly,
+    On,
+    /// Nothing leads on.
+    InVain,
+}
+
+/// Proximal points, and the way from one to the next.
+pub(super) struct Points<W> {
+    way: W,
+    /// ε (–).
+    epsilon: f64,
+    /// Residual of the last point that was reached (√J).
+    before: f64,
+    /// Points that were not reached.
+    missed: u32,
+    /// Residual when it was last halved (√J), and the points since.
+    halved: f64,
+    since: u32,
+}
+
+impl<W> Points<W> {
+    /// Begins at the best impulses.
+    pub(super) fn new<const D: usize, const N: usize>(newton: &Newton<D, N>, best: &Best) -> Self
+    where
+        W: Way<D, N>,
+        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+    {
+        let way = W::begin(newton, &newton.layout.scaled(&best.impulses));
+        Self { way, epsilon: FIRST, before: best.left, missed: 0, halved: best.left, since: 0 }
+    }
+
+    /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
+    pub(super) fn advance<const D: usize, const N: usize>(
+        &mut self,
+        newton: &mut Newton<D, N>,
+        best: &mut Best,
+        round_off: f64,
+    ) -> Approach
+    where
+        W: Way<D, N>,
+        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+    {
+        let leads = self.way.advance(newton, self.epsilon);
+        let s = newton.layout.admitted(self.way.s());
+        let left = newton.left(Newton::ALONE, &s);
+        best.take(left, |r| newton.layout.impulses(&s, r));
+        if left <= 0.5 * self.halved {
+            (self.halved, self.since) = (left, 0);
+        }
+        match leads {
+            Leads::On => {}
+            Leads::There => {
+                self.since += 1;
+                if left < std::mem::replace(&mut self.before, left) {
+                    self.epsilon /= FACTOR;
+                }
+            }
+            Leads::Nowhere => {
+                self.since += 1;
+                self.missed += 1;
+                if self.missed.is_multiple_of(2) {
+                    let mut s = newton.layout.admitted(self.way.s());
+                    newton.sweep(Drawn::NOWHERE, &mut s, SWEEPS);
+                    self.way = W::begin(newton, &s);
+                } else {
+                    self.epsilon *= FACTOR;
+                }
+            }
+        }
+        if left <= round_off || newton.layout.is_round_off(left, &s) {
+            Approach::Nearly
+        } else if self.since > PATIENCE {
+            Approach::InVain
+        } else {
+            Approach::On
+        }
+    }
+}
