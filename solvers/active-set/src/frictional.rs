@@ -1,6 +1,6 @@
 //! With friction: the stages that lead to where Newton's method ends, one after the other.
 //!
-//! Nothing is minimised, and no way is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
+//! Nothing is minimised, and no method is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
 //! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
 //! Where sweeps stall, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where
@@ -20,7 +20,7 @@ use damped::Damped;
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
-use points::{Approach, Points, Way};
+use points::{Approach, Points, PointSolver};
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
@@ -41,7 +41,7 @@ enum Phase {
     Ended,
 }
 
-struct Run<'p, W, const D: usize, const N: usize>
+struct Run<'p, P, const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
@@ -54,7 +54,7 @@ where
     halved: (f64, u64),
     newton: Newton<D, N>,
     /// Proximal points, once sweeps have stalled.
-    points: Option<Points<W>>,
+    points: Option<Points<P>>,
     phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,
@@ -63,7 +63,7 @@ where
     best: Best,
 }
 
-impl<W: Way<D, N>, const D: usize, const N: usize> Run<'_, W, D, N>
+impl<P: PointSolver<D, N>, const D: usize, const N: usize> Run<'_, P, D, N>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
@@ -145,7 +145,7 @@ where
     }
 }
 
-impl<W: Way<D, N>, const D: usize, const N: usize> Iteration for Run<'_, W, D, N>
+impl<P: PointSolver<D, N>, const D: usize, const N: usize> Iteration for Run<'_, P, D, N>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
@@ -178,7 +178,7 @@ where
 
 impl ActiveSet {
     /// A run with friction from the impulses `r0` (N·s).
-    fn with_friction<'p, W: Way<D, N> + 'static, const D: usize, const N: usize>(
+    fn with_friction<'p, P: PointSolver<D, N> + 'static, const D: usize, const N: usize>(
         &self,
         problem: &'p Packing<Rough<D>>,
         r0: &[f64],
@@ -194,7 +194,7 @@ impl ActiveSet {
         let at_once = self.start == Some(Start::ColdSet);
         let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
         let left = newton.left_by(r0);
-        let mut run: Run<W, D, N> = Run {
+        let mut run: Run<P, D, N> = Run {
             sweeps: accelerated(problem, r0)?,
             swept: 0,
             due: None,

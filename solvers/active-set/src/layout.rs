@@ -146,8 +146,8 @@ pub(crate) struct Drawn<'a, const D: usize> {
 }
 
 impl<const D: usize> Drawn<'_, D> {
-    /// None.
-    pub(crate) const NOWHERE: Self = Self { epsilon: 0.0, centre: None };
+    /// No proximal term.
+    pub(crate) const NONE: Self = Self { epsilon: 0.0, centre: None };
 
     /// v + ε (s − centre) (√J).
     pub(crate) fn velocity<const N: usize>(

@@ -2,7 +2,7 @@
 //! and followed by sweeps, leads from one to the next.
 
 use super::newton::Newton;
-use super::points::{Leads, Way};
+use super::points::{Progress, PointSolver};
 use crate::layout::{Drawn, distance};
 use nalgebra::Vector3;
 
@@ -22,12 +22,12 @@ pub(super) struct Damped {
     steps: u32,
 }
 
-impl Way<3, 6> for Damped {
+impl PointSolver<3, 6> for Damped {
     fn begin(_: &Newton<3, 6>, s: &[Vector3<f64>]) -> Self {
         Self { s: s.to_vec(), centre: s.to_vec(), steps: 0 }
     }
 
-    fn advance(&mut self, newton: &mut Newton<3, 6>, epsilon: f64) -> Leads {
+    fn advance(&mut self, newton: &mut Newton<3, 6>, epsilon: f64) -> Progress {
         let drawn = Drawn { epsilon, centre: Some(&self.centre) };
         let before = newton.left(drawn, &self.s);
         let next = newton.shortened(drawn, &self.s, before);
@@ -41,13 +41,13 @@ impl Way<3, 6> for Damped {
         if left <= REACHED * epsilon * moved || newton.layout.is_round_off(left, &self.s) {
             self.centre.copy_from_slice(&self.s);
             self.steps = 0;
-            Leads::There
+            Progress::Reached
         } else if is_last {
             self.s.copy_from_slice(&self.centre);
             self.steps = 0;
-            Leads::Nowhere
+            Progress::Missed
         } else {
-            Leads::On
+            Progress::On
         }
     }
 

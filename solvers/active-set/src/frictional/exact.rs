@@ -2,7 +2,7 @@
 
 use super::newton::Newton;
 use super::path::Path;
-use super::points::{Leads, Way};
+use super::points::{Progress, PointSolver};
 use crate::layout::{Drawn, Layout};
 use contact::status::Status;
 use nalgebra::Vector2;
@@ -27,23 +27,23 @@ impl Exact {
     }
 }
 
-impl Way<2, 3> for Exact {
+impl PointSolver<2, 3> for Exact {
     fn begin(newton: &Newton<2, 3>, s: &[Vector2<f64>]) -> Self {
         Self::of(&newton.layout, s, &newton.layout.velocity(s))
     }
 
-    fn advance(&mut self, newton: &mut Newton<2, 3>, epsilon: f64) -> Leads {
-        let Some((layout, matrix)) = newton.parts() else { return Leads::Nowhere };
+    fn advance(&mut self, newton: &mut Newton<2, 3>, epsilon: f64) -> Progress {
+        let Some((layout, matrix)) = newton.parts() else { return Progress::Missed };
         let drawn = Drawn { epsilon, centre: Some(&self.s) };
         let of_s = layout.velocity(&self.s);
         let perturbation: Vec<_> = self.v.iter().zip(&of_s).map(|(v, of_s)| v - of_s).collect();
         let (s, status) = (self.s.clone(), self.status.clone());
         let mut path = Path { layout, matrix, drawn, perturbation: &perturbation, s, status };
         if path.follow().is_none() {
-            return Leads::Nowhere;
+            return Progress::Missed;
         }
         *self = Self::of(layout, &path.s, &path.velocity(0.0));
-        Leads::There
+        Progress::Reached
     }
 
     fn s(&self) -> &[Vector2<f64>] {

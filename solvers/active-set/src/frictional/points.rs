@@ -25,8 +25,8 @@ const SWEEPS: u32 = 200;
 /// Points in which the residual is not halved, after which nothing leads on.
 const PATIENCE: u32 = 300;
 
-/// A method that leads from one point to the next.
-pub(super) trait Way<const D: usize, const N: usize>
+/// Solver of one proximal point after the other.
+pub(super) trait PointSolver<const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
@@ -34,19 +34,19 @@ where
     fn begin(newton: &Newton<D, N>, s: &[SVector<f64, D>]) -> Self;
 
     /// Advances by one step towards the point that ε (–) draws to the one before.
-    fn advance(&mut self, newton: &mut Newton<D, N>, epsilon: f64) -> Leads;
+    fn advance(&mut self, newton: &mut Newton<D, N>, epsilon: f64) -> Progress;
 
     /// Returns the iterate (√J): where no step leads on, the point before.
     fn s(&self) -> &[SVector<f64, D>];
 }
 
 /// Result of a step towards a point.
-pub(super) enum Leads {
-    /// To the point.
-    There,
+pub(super) enum Progress {
+    /// The point is reached.
+    Reached,
     On,
-    /// Back to the point before.
-    Nowhere,
+    /// It is not: back at the one before.
+    Missed,
 }
 
 /// Result of a proximal point, or of a step towards it.
@@ -58,9 +58,9 @@ pub(super) enum Approach {
     InVain,
 }
 
-/// Proximal points, and the way from one to the next.
-pub(super) struct Points<W> {
-    way: W,
+/// Proximal points.
+pub(super) struct Points<P> {
+    solver: P,
     /// ε (–).
     epsilon: f64,
     /// Residual of the last point that was reached (√J).
@@ -72,15 +72,15 @@ pub(super) struct Points<W> {
     since: u32,
 }
 
-impl<W> Points<W> {
+impl<P> Points<P> {
     /// Begins at the best impulses.
     pub(super) fn new<const D: usize, const N: usize>(newton: &Newton<D, N>, best: &Best) -> Self
     where
-        W: Way<D, N>,
+        P: PointSolver<D, N>,
         Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
     {
-        let way = W::begin(newton, &newton.layout.scaled(&best.impulses));
-        Self { way, epsilon: FIRST, before: best.left, missed: 0, halved: best.left, since: 0 }
+        let solver = P::begin(newton, &newton.layout.scaled(&best.impulses));
+        Self { solver, epsilon: FIRST, before: best.left, missed: 0, halved: best.left, since: 0 }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
@@ -91,31 +91,31 @@ impl<W> Points<W> {
         round_off: f64,
     ) -> Approach
     where
-        W: Way<D, N>,
+        P: PointSolver<D, N>,
         Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
     {
-        let leads = self.way.advance(newton, self.epsilon);
-        let s = newton.layout.admitted(self.way.s());
+        let progress = self.solver.advance(newton, self.epsilon);
+        let s = newton.layout.admitted(self.solver.s());
         let left = newton.left(Newton::ALONE, &s);
         best.take(left, |r| newton.layout.impulses(&s, r));
         if left <= 0.5 * self.halved {
             (self.halved, self.since) = (left, 0);
         }
-        match leads {
-            Leads::On => {}
-            Leads::There => {
+        match progress {
+            Progress::On => {}
+            Progress::Reached => {
                 self.since += 1;
                 if left < std::mem::replace(&mut self.before, left) {
                     self.epsilon /= FACTOR;
                 }
             }
-            Leads::Nowhere => {
+            Progress::Missed => {
                 self.since += 1;
                 self.missed += 1;
                 if self.missed.is_multiple_of(2) {
-                    let mut s = newton.layout.admitted(self.way.s());
-                    newton.sweep(Drawn::NOWHERE, &mut s, SWEEPS);
-                    self.way = W::begin(newton, &s);
+                    let mut s = newton.layout.admitted(self.solver.s());
+                    newton.sweep(Drawn::NONE, &mut s, SWEEPS);
+                    self.solver = P::begin(newton, &s);
                 } else {
                     self.epsilon *= FACTOR;
                 }
