@@ -20,7 +20,7 @@ use damped::Damped;
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
-use points::{Approach, Points, PointSolver};
+use points::{Approach, PointSolver, Points};
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;

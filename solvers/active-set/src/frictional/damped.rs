@@ -2,7 +2,7 @@
 //! and followed by sweeps, leads from one to the next.
 
 use super::newton::Newton;
-use super::points::{Progress, PointSolver};
+use super::points::{PointSolver, Progress};
 use crate::layout::{Drawn, distance};
 use nalgebra::Vector3;
 

@@ -2,7 +2,7 @@
 
 use super::newton::Newton;
 use super::path::Path;
-use super::points::{Progress, PointSolver};
+use super::points::{PointSolver, Progress};
 use crate::layout::{Drawn, Layout};
 use contact::status::Status;
 use nalgebra::Vector2;

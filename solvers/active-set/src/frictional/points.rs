@@ -65,7 +65,7 @@ pub(super) struct Points<P> {
     epsilon: f64,
     /// Residual of the last point that was reached (√J).
     before: f64,
-    /// Points that were not reached.
+    /// Points in a row that were not reached.
     missed: u32,
     /// Residual when it was last halved (√J), and the points since.
     halved: f64,
@@ -104,7 +104,7 @@ impl<P> Points<P> {
         match progress {
             Progress::On => {}
             Progress::Reached => {
-                self.since += 1;
+                (self.missed, self.since) = (0, self.since + 1);
                 if left < std::mem::replace(&mut self.before, left) {
                     self.epsilon /= FACTOR;
                 }
