@@ -40,8 +40,7 @@ impl PointSolver<3, 6> for Damped {
         let moved = distance(&self.s, &self.centre);
         if left <= REACHED * epsilon * moved || newton.layout.is_round_off(left, &self.s) {
             self.centre.copy_from_slice(&self.s);
-            self.steps = 0;
-            Progress::Reached
+            Progress::Reached { steps: std::mem::take(&mut self.steps) }
         } else if is_last {
             self.s.copy_from_slice(&self.centre);
             self.steps = 0;

@@ -39,11 +39,9 @@ impl PointSolver<2, 3> for Exact {
         let perturbation: Vec<_> = self.v.iter().zip(&of_s).map(|(v, of_s)| v - of_s).collect();
         let (s, status) = (self.s.clone(), self.status.clone());
         let mut path = Path { layout, matrix, drawn, perturbation: &perturbation, s, status };
-        if path.follow().is_none() {
-            return Progress::Missed;
-        }
+        let Some(steps) = path.follow() else { return Progress::Missed };
         *self = Self::of(layout, &path.s, &path.velocity(0.0));
-        Progress::Reached
+        Progress::Reached { steps }
     }
 
     fn s(&self) -> &[Vector2<f64>] {

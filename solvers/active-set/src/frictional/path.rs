@@ -21,10 +21,14 @@ use nalgebra::{Vector2, Vector3};
 /// Lines of one path, at most.
 const LINES: u32 = 200;
 
+/// t beyond which a path has gone away (–).
+const AWAY: f64 = 3.0;
+
 /// Changes of status after which the matrix is factorised anew.
 const CHANGES: usize = 30;
 
-/// Largest motion of held velocities, along a line over the change of the impulses, and at its end over the impulses (–).
+/// Largest motion of held velocities: along a line over the change of the impulses, and at its end over the impulses (–).
+const ALONG: f64 = 1e-10;
 const ROUND_OFF: f64 = 1e-14;
 
 /// A solution of the law, and the problem that the path changes.
@@ -41,15 +45,15 @@ pub(super) struct Path<'a> {
 }
 
 impl Path<'_> {
-    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0; `None` where it comes
-    /// back to where it began, leads nowhere, or has too many lines.
-    pub(super) fn follow(&mut self) -> Option<()> {
+    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0. Returns the lines that it
+    /// had; `None` where it comes back to where it began, goes away, or has too many.
+    pub(super) fn follow(&mut self) -> Option<u32> {
         let start = self.status.clone();
         let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status<2>)>, 0_usize);
         if !self.matrix.is_of(&self.status, self.drawn.epsilon) && !self.factorise() {
             return None;
         }
-        for _ in 0..LINES {
+        for line in 0..LINES {
             let along = self.respond();
             let forth = crossed.is_some_and(|(contact, before)| self.enters(contact, before, &along));
             let sign = if forth { 1.0 } else { -1.0 };
@@ -63,7 +67,7 @@ impl Path<'_> {
             t = if arrives { 0.0 } else { t + sign * far };
             self.correct(t);
             if arrives {
-                return Some(());
+                return Some(line);
             }
             let End { contact, next, .. } = end?;
             let before = std::mem::replace(&mut self.status[contact], next);
@@ -72,7 +76,7 @@ impl Path<'_> {
             if next == Status::Open {
                 self.s[contact] = Vector2::zeros();
             }
-            if away_from_start == 0 || !self.update(contact) {
+            if away_from_start == 0 || t > AWAY || !self.update(contact) {
                 return None;
             }
             crossed = Some((contact, before));
@@ -97,7 +101,7 @@ impl Path<'_> {
             of.map(|((column, ds), p)| column.relative(&y) + drawn.epsilon * ds + p).collect()
         };
         let dv = matrix.settle(&layout.columns, &mut ds, velocity, |ds, _, left| {
-            left <= ROUND_OFF * (norm(ds) + norm(perturbation))
+            left <= ALONG * (norm(ds) + norm(perturbation))
         });
         Line { ds, dv }
     }

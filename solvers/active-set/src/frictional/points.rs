@@ -2,7 +2,7 @@
 //!
 //! Where more sticks than motion allows, sweeps of non-linear Gauss-Seidel move impulses along the kernel of W by the same amount each
 //! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls after a point that
-//! leaves less than the one before. It grows where none is reached, and every second time sweeps look for another beginning.
+//! took few steps. It grows where none is reached, and every second time sweeps look for another beginning.
 //!
 //! R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14 (1976) 877-898; Coulomb's law is
 //! not monotone, so nothing is promised.
@@ -16,8 +16,9 @@ use nalgebra::SVector;
 /// ε of the first point (–).
 const FIRST: f64 = 1e-3;
 
-/// Factor by which ε falls and grows (–).
+/// Factor by which ε falls and grows (–), and how many steps are few.
 const FACTOR: f64 = 2.0;
+const FEW: u32 = 6;
 
 /// Sweeps after every second point that is not reached.
 const SWEEPS: u32 = 200;
@@ -42,8 +43,10 @@ where
 
 /// Result of a step towards a point.
 pub(super) enum Progress {
-    /// The point is reached.
-    Reached,
+    /// The point is reached, after so many steps, or lines of a path.
+    Reached {
+        steps: u32,
+    },
     On,
     /// It is not: back at the one before.
     Missed,
@@ -63,8 +66,6 @@ pub(super) struct Points<P> {
     solver: P,
     /// ε (–).
     epsilon: f64,
-    /// Residual of the last point that was reached (√J).
-    before: f64,
     /// Points in a row that were not reached.
     missed: u32,
     /// Residual when it was last halved (√J), and the points since.
@@ -80,7 +81,7 @@ impl<P> Points<P> {
         Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
     {
         let solver = P::begin(newton, &newton.layout.scaled(&best.impulses));
-        Self { solver, epsilon: FIRST, before: best.left, missed: 0, halved: best.left, since: 0 }
+        Self { solver, epsilon: FIRST, missed: 0, halved: best.left, since: 0 }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
@@ -103,11 +104,9 @@ impl<P> Points<P> {
         }
         match progress {
             Progress::On => {}
-            Progress::Reached => {
+            Progress::Reached { steps } => {
                 (self.missed, self.since) = (0, self.since + 1);
-                if left < std::mem::replace(&mut self.before, left) {
-                    self.epsilon /= FACTOR;
-                }
+                self.epsilon /= if steps <= FEW { FACTOR } else { 1.0 };
             }
             Progress::Missed => {
                 self.since += 1;
