@@ -382,11 +382,12 @@ fn the_active_set_comes_through_where_impulses_drift() {
         assert!(outcome.iterations < 60_000, "{name}: {}", outcome.iterations);
         assert!(certify(&problem, &outcome.impulses).certified(), "{name}");
     }
-    // Friction that a packing has all of a sudden: from conjugate gradients it ended at a floor.
+    // Friction that a packing has all of a sudden: from conjugate gradients it ended at a floor. Its last point is on the way to
+    // round-off: a certificate wants less than 1e-12.
     let settings =
         [("sample.file", "frozen/settled-250.json"), ("scene.box.width_m", "2.4"), ("scene.friction", "0.8")];
     let problem = first_problem_of("friction-switched-on", &settings).problem;
-    let outcome = run(&ActiveSet::default(), &problem, 1e-12);
+    let outcome = run(&ActiveSet::default(), &problem, 1e-13);
     assert_eq!(outcome.status, Status::Converged);
     assert!(certify(&problem, &outcome.impulses).certified());
 }
