@@ -382,8 +382,8 @@ fn the_active_set_comes_through_where_impulses_drift() {
         assert!(outcome.iterations < 60_000, "{name}: {}", outcome.iterations);
         assert!(certify(&problem, &outcome.impulses).certified(), "{name}");
     }
-    // Friction that a packing has all of a sudden: from conjugate gradients it ended at a floor. Its last point is on the way to
-    // round-off: a certificate wants less than 1e-12.
+    // Friction that a packing has all of a sudden: from conjugate gradients it ended at a floor. A natural map of 1e-12 is
+    // not enough for a certificate here.
     let settings =
         [("sample.file", "frozen/settled-250.json"), ("scene.box.width_m", "2.4"), ("scene.friction", "0.8")];
     let problem = first_problem_of("friction-switched-on", &settings).problem;

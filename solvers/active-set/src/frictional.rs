@@ -54,7 +54,7 @@ where
     halved: (f64, u64),
     newton: Newton<D, N>,
     /// Proximal points, once sweeps have stalled.
-    points: Option<Points<P>>,
+    points: Option<Points<P, D, N>>,
     phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,

@@ -33,10 +33,10 @@ impl PointSolver<3, 6> for Damped {
         let next = newton.shortened(drawn, &self.s, before);
         self.steps += 1;
         let is_last = next.is_none() || self.steps >= STEPS;
-        let left = next.map_or(before, |(next, left)| {
-            self.s = next;
-            left
-        });
+        let mut left = before;
+        if let Some(next) = next {
+            (self.s, left) = next;
+        }
         let moved = distance(&self.s, &self.centre);
         if left <= REACHED * epsilon * moved || newton.layout.is_round_off(left, &self.s) {
             self.centre.copy_from_slice(&self.s);

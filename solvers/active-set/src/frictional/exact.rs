@@ -1,7 +1,7 @@
 //! Exact proximal points in the plane: a path leads from one to the next.
 
 use super::newton::Newton;
-use super::path::Path;
+use super::path::{Change, Path};
 use super::points::{PointSolver, Progress};
 use crate::layout::{Drawn, Layout};
 use contact::status::Status;
@@ -38,9 +38,10 @@ impl PointSolver<2, 3> for Exact {
         let of_s = layout.velocity(&self.s);
         let perturbation: Vec<_> = self.v.iter().zip(&of_s).map(|(v, of_s)| v - of_s).collect();
         let (s, status) = (self.s.clone(), self.status.clone());
-        let mut path = Path { layout, matrix, drawn, perturbation: &perturbation, s, status };
+        let change = Change { layout, drawn, perturbation: &perturbation };
+        let mut path = Path { change, matrix, status, s };
         let Some(steps) = path.follow() else { return Progress::Missed };
-        *self = Self::of(layout, &path.s, &path.velocity(0.0));
+        *self = Self::of(layout, &path.s, &change.velocity(&path.s, 0.0));
         Progress::Reached { steps }
     }
 

@@ -73,9 +73,8 @@ where
 
     /// Returns how many sweeps take as long as a factor; none, where the matrix does not fit in memory.
     pub(super) fn sweeps_of_factor(&mut self) -> Option<u64> {
-        self.prepare().ok()?;
-        let cost = self.matrix.iter().flatten().map(Matrix::cost).next()?;
-        Some(Start::Sweeps.iterations_of(cost, self.layout.columns.len(), D) as u64)
+        let (layout, matrix) = self.parts()?;
+        Some(Start::Sweeps.iterations_of(matrix.cost(), layout.columns.len(), D) as u64)
     }
 
     /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
@@ -136,9 +135,10 @@ where
     }
 
     /// The impulses to which a step of Newton leads from s, for the statuses of s − v: those that s has to first order. v comes from s
-    /// each time, so that no error of K stays. `None` if the matrix has no factor.
+    /// each time, so that no error of K stays. `None` if the matrix has no factor,
+    /// or does not fit in memory.
     fn step(&mut self, drawn: Drawn<D>, s: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
-        let Self { layout, matrix: Some(Ok(matrix)), .. } = self else { return None };
+        let (layout, matrix) = self.parts()?;
         let status = layout.statuses(s, &drawn.velocity(layout, s));
         if !matrix.is_of(&status, drawn.epsilon) && !matrix.factorise(&layout.columns, &status, drawn.epsilon)
         {

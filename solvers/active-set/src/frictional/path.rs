@@ -31,33 +31,48 @@ const CHANGES: usize = 30;
 const ALONG: f64 = 1e-10;
 const ROUND_OFF: f64 = 1e-14;
 
-/// A solution of the law, and the problem that the path changes.
-pub(super) struct Path<'a> {
+/// The problem that a path changes.
+#[derive(Clone, Copy)]
+pub(super) struct Change<'a> {
     pub(super) layout: &'a Layout<2, 3>,
-    pub(super) matrix: &'a mut Matrix<2, 3>,
     /// ε (–) and the centre (√J).
     pub(super) drawn: Drawn<'a, 2>,
     /// p (√J).
     pub(super) perturbation: &'a [Vector2<f64>],
+}
+
+impl Change<'_> {
+    /// Returns v + ε (s − centre) + t p (√J).
+    pub(super) fn velocity(&self, s: &[Vector2<f64>], t: f64) -> Vec<Vector2<f64>> {
+        let mut v = self.drawn.velocity(self.layout, s);
+        v.iter_mut().zip(self.perturbation).for_each(|(v, p)| *v += t * p);
+        v
+    }
+}
+
+/// A solution of the law, and the problem that the path changes.
+pub(super) struct Path<'a> {
+    pub(super) change: Change<'a>,
+    pub(super) matrix: &'a mut Matrix<2, 3>,
     pub(super) status: Vec<Status<2>>,
     /// √J.
     pub(super) s: Vec<Vector2<f64>>,
 }
 
 impl Path<'_> {
-    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0. Returns the lines that it
-    /// had; `None` where it comes back to where it began, goes away, or has too many.
+    /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0. Returns the lines that it had; `None` where it
+    /// comes back to where it began, goes away, or has too many.
     pub(super) fn follow(&mut self) -> Option<u32> {
         let start = self.status.clone();
         let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status<2>)>, 0_usize);
-        if !self.matrix.is_of(&self.status, self.drawn.epsilon) && !self.factorise() {
+        if !self.matrix.is_of(&self.status, self.change.drawn.epsilon) && !self.factorise() {
             return None;
         }
         for line in 0..LINES {
             let along = self.respond();
             let forth = crossed.is_some_and(|(contact, before)| self.enters(contact, before, &along));
             let sign = if forth { 1.0 } else { -1.0 };
-            let v = self.velocity(t);
+            let v = self.change.velocity(&self.s, t);
             let end = self.end(crossed, &v, sign, &along);
             let arrives = !forth && end.is_none_or(|end| end.at >= t);
             let far = if arrives { t } else { end?.at };
@@ -84,23 +99,16 @@ impl Path<'_> {
         None
     }
 
-    /// v + ε (s − centre) + t p of s, which the law holds for.
-    pub(super) fn velocity(&self, t: f64) -> Vec<Vector2<f64>> {
-        let mut v = self.drawn.velocity(self.layout, &self.s);
-        v.iter_mut().zip(self.perturbation).for_each(|(v, p)| *v += t * p);
-        v
-    }
-
     /// The change of s, and of v, that answers p: such that nothing moves that is held.
     fn respond(&mut self) -> Line {
-        let Self { layout, matrix, drawn, perturbation, .. } = self;
+        let Change { layout, drawn, perturbation } = self.change;
         let mut ds = vec![Vector2::zeros(); perturbation.len()];
         let velocity = |ds: &[Vector2<f64>]| {
             let y = layout.pushed(vec![Vector3::zeros(); layout.grains()], ds);
-            let of = layout.columns.iter().zip(ds).zip(*perturbation);
+            let of = layout.columns.iter().zip(ds).zip(perturbation);
             of.map(|((column, ds), p)| column.relative(&y) + drawn.epsilon * ds + p).collect()
         };
-        let dv = matrix.settle(&layout.columns, &mut ds, velocity, |ds, _, left| {
+        let dv = self.matrix.settle(&layout.columns, &mut ds, velocity, |ds, _, left| {
             left <= ALONG * (norm(ds) + norm(perturbation))
         });
         Line { ds, dv }
@@ -108,26 +116,22 @@ impl Path<'_> {
 
     /// Takes back what moves of that which is held, at t: round-off of the line that led there.
     fn correct(&mut self, t: f64) {
-        let Self { layout, matrix, drawn, perturbation, s, .. } = self;
-        let velocity = |s: &[Vector2<f64>]| {
-            let mut v = drawn.velocity(layout, s);
-            v.iter_mut().zip(*perturbation).for_each(|(v, p)| *v += t * p);
-            v
-        };
-        matrix.settle(&layout.columns, s, velocity, |s, _, left| {
-            left <= ROUND_OFF * (norm(s) + layout.terms_of_b)
+        let change = self.change;
+        let velocity = |s: &[Vector2<f64>]| change.velocity(s, t);
+        self.matrix.settle(&change.layout.columns, &mut self.s, velocity, |s, _, left| {
+            left <= ROUND_OFF * (norm(s) + change.layout.terms_of_b)
         });
     }
 
     /// Factorises the matrix of the statuses and reports whether it has an inverse.
     fn factorise(&mut self) -> bool {
-        self.matrix.factorise(&self.layout.columns, &self.status, self.drawn.epsilon)
+        self.matrix.factorise(&self.change.layout.columns, &self.status, self.change.drawn.epsilon)
     }
 
     /// Updates the factor after a contact changed its status; reports whether there is one.
     fn update(&mut self, contact: usize) -> bool {
         if self.matrix.changes() < CHANGES {
-            self.matrix.change(&self.layout.columns, contact, self.status[contact])
+            self.matrix.change(&self.change.layout.columns, contact, self.status[contact])
         } else {
             self.factorise()
         }

@@ -26,7 +26,7 @@ const SWEEPS: u32 = 200;
 /// Points in which the residual is not halved, after which nothing leads on.
 const PATIENCE: u32 = 300;
 
-/// Solver of one proximal point after the other.
+/// Solver of one proximal point after another.
 pub(super) trait PointSolver<const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
@@ -43,12 +43,12 @@ where
 
 /// Result of a step towards a point.
 pub(super) enum Progress {
-    /// The point is reached, after so many steps, or lines of a path.
+    /// The point is reached after so many steps, or lines of a path.
     Reached {
         steps: u32,
     },
     On,
-    /// It is not: back at the one before.
+    /// The point is not reached: the iterate is the one before.
     Missed,
 }
 
@@ -62,7 +62,7 @@ pub(super) enum Approach {
 }
 
 /// Proximal points.
-pub(super) struct Points<P> {
+pub(super) struct Points<P, const D: usize, const N: usize> {
     solver: P,
     /// ε (–).
     epsilon: f64,
@@ -73,28 +73,18 @@ pub(super) struct Points<P> {
     since: u32,
 }
 
-impl<P> Points<P> {
+impl<P: PointSolver<D, N>, const D: usize, const N: usize> Points<P, D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
     /// Begins at the best impulses.
-    pub(super) fn new<const D: usize, const N: usize>(newton: &Newton<D, N>, best: &Best) -> Self
-    where
-        P: PointSolver<D, N>,
-        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
-    {
+    pub(super) fn new(newton: &Newton<D, N>, best: &Best) -> Self {
         let solver = P::begin(newton, &newton.layout.scaled(&best.impulses));
         Self { solver, epsilon: FIRST, missed: 0, halved: best.left, since: 0 }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
-    pub(super) fn advance<const D: usize, const N: usize>(
-        &mut self,
-        newton: &mut Newton<D, N>,
-        best: &mut Best,
-        round_off: f64,
-    ) -> Approach
-    where
-        P: PointSolver<D, N>,
-        Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
-    {
+    pub(super) fn advance(&mut self, newton: &mut Newton<D, N>, best: &mut Best, round_off: f64) -> Approach {
         let progress = self.solver.advance(newton, self.epsilon);
         let s = newton.layout.admitted(self.solver.s());
         let left = newton.left(Newton::ALONE, &s);
@@ -106,7 +96,9 @@ impl<P> Points<P> {
             Progress::On => {}
             Progress::Reached { steps } => {
                 (self.missed, self.since) = (0, self.since + 1);
-                self.epsilon /= if steps <= FEW { FACTOR } else { 1.0 };
+                if steps <= FEW {
+                    self.epsilon /= FACTOR;
+                }
             }
             Progress::Missed => {
                 self.since += 1;

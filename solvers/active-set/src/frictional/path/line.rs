@@ -23,7 +23,7 @@ impl Path<'_> {
     /// Reports whether a contact comes into the status that it now has, from the one before, as t grows.
     pub(super) fn enters(&self, contact: usize, before: Status<2>, along: &Line) -> bool {
         let (ds, dv) = (along.ds[contact], along.dv[contact]);
-        let friction = self.layout.columns[contact].friction();
+        let friction = self.change.layout.columns[contact].friction();
         let inwards = match (before, self.status[contact]) {
             (Status::Slide(_), Status::Open) => dv.x,
             (Status::Slide(slide), _) => friction * ds.x - slide.along.y * ds.y,
@@ -45,7 +45,7 @@ impl Path<'_> {
         for (contact, status) in self.status.iter().enumerate() {
             let (s, v) = (self.s[contact], v[contact]);
             let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
-            let friction = self.layout.columns[contact].friction();
+            let friction = self.change.layout.columns[contact].friction();
             let mut meet = |room: f64, closing: f64, next: Status<2>| {
                 let at = room.max(0.0) / closing;
                 let is_where_it_began = crossed == Some((contact, next));

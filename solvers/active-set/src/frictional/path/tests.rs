@@ -1,7 +1,7 @@
 //! Properties of paths by their theory, and changes of the matrix.
 
 use super::super::matrix::Matrix;
-use super::Path;
+use super::{Change, Path};
 use crate::layout::{Drawn, Layout, norm};
 use contact::law::admissible;
 use contact::status::Status;
@@ -54,17 +54,13 @@ fn a_path_from_open_contacts_ends_at_a_solution_of_coulombs_law() {
         };
         let perturbation: Vec<_> = b.iter().zip(&layout.columns).map(open).collect();
         for epsilon in [1e-1, 1e-4] {
-            let mut path = Path {
-                layout: &layout,
-                matrix: &mut matrix,
-                drawn: Drawn { epsilon, centre: Some(&none) },
-                perturbation: &perturbation,
-                status: vec![Status::Open; none.len()],
-                s: none.clone(),
-            };
+            let drawn = Drawn { epsilon, centre: Some(&none) };
+            let change = Change { layout: &layout, drawn, perturbation: &perturbation };
+            let status = vec![Status::Open; none.len()];
+            let mut path = Path { change, matrix: &mut matrix, status, s: none.clone() };
             path.follow().unwrap_or_else(|| panic!("seed {seed}, ε {epsilon}"));
             assert!(norm(&path.s) > 0.0, "seed {seed}: the packing would fly apart");
-            let left = layout.left(&path.s, &path.velocity(0.0));
+            let left = layout.left(&path.s, &change.velocity(&path.s, 0.0));
             assert!(left < 1e-10, "seed {seed}, ε {epsilon}: {left}");
             for (s, column) in path.s.iter().zip(&layout.columns) {
                 assert!((s - admissible(*s, column.friction())).norm() < 1e-10, "seed {seed}: {s}");
