@@ -182,8 +182,8 @@ mod terminal {
     mod tests;
 
     pub(crate) use output::{
-        at_hand, check_apart, create_folder_of, merged, prepare_new, prepare_place, read_sealed, read_text,
-        replaces, say, say_table, write_instead, write_kept, write_sealed, write_whole,
+        at_hand, check_apart, create_folder_of, is_one_file, merged, prepare_new, prepare_place, read_sealed,
+        read_text, replaces, say, say_table, write_instead, write_kept, write_sealed, write_whole,
     };
     pub(crate) use progress::{Bars, Line};
 }

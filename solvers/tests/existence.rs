@@ -11,11 +11,11 @@ use nsgs::Nsgs;
 use proptest::prelude::ProptestConfig;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use reference::{Coulomb, certify, solve_rough};
+use reference::{Provable, certify, solve_rough};
 use runner::{Status, Stop, solve};
 
 /// A mechanics with friction in D dimensions.
-trait Dimension<const D: usize>: Coulomb + Mechanics<Place = SVector<f64, D>> {
+trait Dimension<const D: usize>: Provable + Mechanics<Place = SVector<f64, D>> {
     fn contact(contact: RoughContact<D>) -> Self::Contact;
 
     fn velocity(translation: SVector<f64, D>, spin: [f64; 3]) -> Self::Velocity;

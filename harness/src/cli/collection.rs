@@ -9,7 +9,7 @@ use crate::in_one_paragraph;
 use crate::plan::key_value;
 use crate::problems::{CaseProblem, Problem};
 use crate::root::{Kind, Root};
-use crate::terminal::{progress, read_text, say, say_table};
+use crate::terminal::{is_one_file, progress, read_text, say, say_table};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
 use lineup::{Posed, content_hash, hash_of};
@@ -243,17 +243,13 @@ impl Add {
                 entry
             } else {
                 // One that is a frozen problem already is not stored twice.
-                let frozen = root.all(Kind::Frozen)?.iter().any(|known| is_same(known, file));
+                let frozen = root.all(Kind::Frozen)?.iter().any(|known| is_one_file(known, file));
                 about.add(collection, AnyFrozen::read(file)?, None, !frozen)?
             };
             say(format_args!("{} {}: {}", entry.id, entry.name, entry.known.status.name()))?;
         }
         Ok(())
     }
-}
-
-fn is_same(a: &Path, b: &Path) -> bool {
-    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 impl Make {

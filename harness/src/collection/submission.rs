@@ -151,7 +151,9 @@ impl Submission {
         let verified = match posed {
             Posed::Grains(problem) => {
                 for (k, own) in r.chunks(each).enumerate() {
-                    problem.admits(k, own).map_err(|why| anyhow!("`impulse` of contact {k} {why}"))?;
+                    problem
+                        .unless_admissible(k, own)
+                        .map_err(|why| anyhow!("`impulse` of contact {k} {why}"))?;
                 }
                 let certified = problem.certify(r).certified();
                 Verified { natural_map: problem.measures(&[], r).natural_map, certified }

@@ -238,7 +238,7 @@ impl Answer {
             let Some(r) = r.iter().copied().collect::<Option<Vec<f64>>>() else {
                 bail!("the impulse of contact {contact} is missing");
             };
-            if let Err(why) = problem.admits(contact, &r) {
+            if let Err(why) = problem.unless_admissible(contact, &r) {
                 bail!("the impulse of contact {contact} {why}");
             }
         }

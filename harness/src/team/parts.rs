@@ -79,7 +79,7 @@ pub(super) fn read_impulses(folder: &Path, share: &dyn OneShare, problem_hash: &
         }
         let impulses = read.impulse.chunks_exact(facts.of_contact);
         for ((k, number), own) in subdomain.contacts.iter().zip(&read.contact).zip(impulses) {
-            if let Err(why) = share.admits(*k as usize, own) {
+            if let Err(why) = share.unless_admissible(*k as usize, own) {
                 bail!("{}: `impulse` of contact {number} {why}", in_file());
             }
             r[facts.of_contact * *k as usize..][..facts.of_contact].copy_from_slice(own);

@@ -61,15 +61,15 @@ pub(crate) fn prepare_new(path: &Path) -> Result<()> {
 /// Refuses two files, each named by its argument, that are one: the second would replace the first.
 pub(crate) fn check_apart(files: &[(&str, &Path)]) -> Result<()> {
     for (k, (argument, path)) in files.iter().enumerate() {
-        if let Some((other, _)) = files[..k].iter().find(|(_, other)| is_same(path, other)) {
+        if let Some((other, _)) = files[..k].iter().find(|(_, other)| is_one_file(path, other)) {
             bail!("{other} and {argument} are one file, {}: give another path", path.display());
         }
     }
     Ok(())
 }
 
-/// Returns whether two paths lead to one file, which need not be there yet. Devices and pipes may be written to twice.
-fn is_same(a: &Path, b: &Path) -> bool {
+/// Reports whether two paths lead to one file, which need not be there yet. Devices and pipes may be written to twice.
+pub(crate) fn is_one_file(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| -> Option<PathBuf> {
         let target = behind_links(path).ok()?;
         Some(folder(&target).canonicalize().ok()?.join(target.file_name()?))

@@ -106,7 +106,7 @@ pub trait Touch<M: Mechanics>: Copy + Debug + PartialEq + Send + Sync {
     /// μ (–); 0 without friction.
     fn friction(&self) -> f64;
 
-    /// Reports whether the law admits r, up to round-off of a bound (N·s).
+    /// Reports whether r is finite and the law admits it, up to round-off of a bound (N·s).
     fn is_admissible(&self, r: M::Impulse) -> bool;
 
     /// Description of an admissible impulse, in words.

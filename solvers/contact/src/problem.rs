@@ -93,7 +93,7 @@ impl<M: Mechanics> ContactProblem<M> {
         SetupError::unless(r0.len() == self.impulse_count(), "start", format!("{found} impulses"), all)?;
         for (index, contact) in self.contacts.iter().enumerate() {
             let r = M::Impulse::at(r0, index);
-            if !(r.is_finite() && contact.is_admissible(r)) {
+            if !contact.is_admissible(r) {
                 let value = format!("{} at contact {index}", r.text());
                 return Err(SetupError::new("start", value, M::Contact::ADMISSIBLE));
             }

@@ -5,7 +5,7 @@ use analysis::{Bounded, Spectrum, proves_infeasible};
 use anyhow::{Result, ensure};
 use cases::Marched;
 use contact::{Mechanics, Packing, Rough, RoughDiscs, Smooth, Solver, Touch, Vector};
-use reference::{Answer, Certified, Coulomb, Existence, RoughSolution, continued, polished, solve_rough};
+use reference::{Answer, Certified, Existence, Provable, RoughSolution, continued, polished, solve_rough};
 use std::any::Any;
 use std::ops::RangeInclusive;
 
@@ -35,13 +35,8 @@ where
 }
 
 /// Refuses an impulse that the law of a contact does not admit.
-pub(crate) fn admits<M: Mechanics>(contact: &M::Contact, r: M::Impulse) -> Result<()> {
-    ensure!(
-        r.is_finite() && contact.is_admissible(r),
-        "is {}: it must be {}",
-        r.text(),
-        M::Contact::ADMISSIBLE
-    );
+pub(crate) fn unless_admissible<M: Mechanics>(contact: &M::Contact, r: M::Impulse) -> Result<()> {
+    ensure!(contact.is_admissible(r), "is {}: it must be {}", r.text(), M::Contact::ADMISSIBLE);
     Ok(())
 }
 
@@ -116,7 +111,7 @@ pub trait Frictional {
     fn continued(&self, seen: &mut dyn FnMut()) -> Option<RoughSolution>;
 }
 
-impl<M: Coulomb> Frictional for Packing<M>
+impl<M: Provable> Frictional for Packing<M>
 where
     ActiveSet: Solver<M>,
 {

@@ -2,7 +2,7 @@
 
 use crate::arrays::{Global, arrays};
 use crate::facts::{Facts, Touching, facts};
-use crate::form::{Form, Law, admits};
+use crate::form::{Form, Law, unless_admissible};
 use crate::methods::Ours;
 use crate::share::{OneShare, Part};
 use analysis::Meter;
@@ -66,7 +66,7 @@ pub trait OneProblem: Send + Sync {
     ///
     /// # Errors
     /// Says what it must be.
-    fn admits(&self, k: usize, r: &[f64]) -> Result<()>;
+    fn unless_admissible(&self, k: usize, r: &[f64]) -> Result<()>;
 
     /// Computes V = `V_free` + M⁻¹ H r (m/s, rad/s).
     fn velocity(&self, r: &[f64]) -> Vec<f64>;
@@ -215,8 +215,8 @@ impl<M: Form> OneProblem for Frozen<M> {
         self.missed_before
     }
 
-    fn admits(&self, k: usize, r: &[f64]) -> Result<()> {
-        admits::<M>(&self.problem.contacts()[k], M::Impulse::at(r, 0))
+    fn unless_admissible(&self, k: usize, r: &[f64]) -> Result<()> {
+        unless_admissible::<M>(&self.problem.contacts()[k], M::Impulse::at(r, 0))
     }
 
     fn velocity(&self, r: &[f64]) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The share of a rank in a problem, whatever the mechanics; and the first line of the file of a subdomain.
 
 use crate::facts::{Facts, facts};
-use crate::form::{Form, admits};
+use crate::form::{Form, unless_admissible};
 use anyhow::{Context, Result, bail};
 use cases::{AnyFrozen, Frozen};
 use contact::{Mechanics, Vector};
@@ -104,7 +104,7 @@ pub trait OneShare {
     ///
     /// # Errors
     /// Says what it must be.
-    fn admits(&self, k: usize, r: &[f64]) -> Result<()>;
+    fn unless_admissible(&self, k: usize, r: &[f64]) -> Result<()>;
 
     /// Runs a method on the shares of all ranks, which all must do.
     ///
@@ -148,8 +148,8 @@ impl<M: Form> OneShare for Share<M> {
         &self.decomposition
     }
 
-    fn admits(&self, k: usize, r: &[f64]) -> Result<()> {
-        admits::<M>(&self.problem.contacts()[k], M::Impulse::at(r, 0))
+    fn unless_admissible(&self, k: usize, r: &[f64]) -> Result<()> {
+        unless_admissible::<M>(&self.problem.contacts()[k], M::Impulse::at(r, 0))
     }
 
     #[cfg(feature = "on-ranks")]

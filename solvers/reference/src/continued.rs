@@ -11,7 +11,7 @@
 
 use crate::Existence;
 use crate::certificate::certify;
-use crate::rough::{Coulomb, RoughSolution, polished};
+use crate::rough::{Provable, RoughSolution, polished};
 use active_set::ActiveSet;
 use analysis::Meter;
 use contact::{Packing, Solver, Touch, Vector};
@@ -37,7 +37,7 @@ const WIDEST: f64 = 10.0;
 const OTHERS: [f64; 6] = [1.1, 1.02, 1.5, 2.5, 5.0, 10.0];
 
 /// Returns the certified solution of a `problem` at rest to which the continuation leads, if it leads to one; each search is `seen`.
-pub fn continued<M: Coulomb>(problem: &Packing<M>, mut seen: impl FnMut()) -> Option<RoughSolution>
+pub fn continued<M: Provable>(problem: &Packing<M>, mut seen: impl FnMut()) -> Option<RoughSolution>
 where
     ActiveSet: Solver<M>,
 {
@@ -97,7 +97,7 @@ fn way(
 
 /// Returns the factor at which the least gap closes as fast as the fastest contact approaches; `None` where all offsets are 0 but for
 /// round-off.
-fn greatest_factor<M: Coulomb>(problem: &Packing<M>) -> Option<f64> {
+fn greatest_factor<M: Provable>(problem: &Packing<M>) -> Option<f64> {
     let b = problem.b();
     let fastest = b.iter().step_by(M::Impulse::LEN).fold(0.0, |fastest: f64, b| fastest.max(-b));
     let offsets = problem.contacts().iter().map(|contact| contact.offset().first());
@@ -107,7 +107,7 @@ fn greatest_factor<M: Coulomb>(problem: &Packing<M>) -> Option<f64> {
 
 /// Returns the impulses (N·s) of the active set, begun from others, that leave a natural map of at most `accuracy` (–), if it comes to
 /// some.
-fn searched<M: Coulomb>(problem: &Packing<M>, from: &[f64], accuracy: f64) -> Option<Vec<f64>>
+fn searched<M: Provable>(problem: &Packing<M>, from: &[f64], accuracy: f64) -> Option<Vec<f64>>
 where
     ActiveSet: Solver<M>,
 {

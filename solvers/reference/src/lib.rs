@@ -19,7 +19,7 @@ pub use continued::{SEARCHES, continued};
 pub use existence::{Existence, existence};
 pub use isolated::{Isolation, isolation};
 pub use method::InteriorPoint;
-pub use rough::{Coulomb, RoughSolution, distance, is_same, polished, solve_rough, take};
+pub use rough::{Provable, RoughSolution, distance, is_same, polished, solve_rough, take};
 
 use active_set::ActiveSet;
 use analysis::proves_infeasible;

@@ -14,8 +14,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::ops::RangeInclusive;
 
-/// A mechanics with Coulomb's law.
-pub trait Coulomb: Certified<Mass = RoughMass> {
+/// A mechanics with friction whose problems may be proved to have a solution, or none.
+pub trait Provable: Certified<Mass = RoughMass> {
     /// Returns normal impulses (N·s) that prove that `problem` has no solution: where no velocity keeps the contacts from approaching,
     /// friction does not help. `None` says nothing.
     fn ray(problem: &Packing<Self>) -> Option<Vec<f64>>;
@@ -30,7 +30,7 @@ pub trait Coulomb: Certified<Mass = RoughMass> {
     fn with_offsets(problem: &Packing<Self>, times: f64) -> Option<Packing<Self>>;
 }
 
-impl<const D: usize, const N: usize> Coulomb for Rough<D>
+impl<const D: usize, const N: usize> Provable for Rough<D>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
@@ -87,7 +87,7 @@ const MANY: u32 = 300_000;
 
 /// Solutions of `problem` that are different, from these `starts`: 0 is r = 0, of the others each is a seed of impulses within the
 /// cones, of up to twice the size that the problem's scale suggests. If none is certified, the impulses that leave least.
-pub fn solve_rough<M: Coulomb>(
+pub fn solve_rough<M: Provable>(
     problem: &Packing<M>,
     starts: RangeInclusive<u64>,
     mut seen: impl FnMut(),
@@ -137,7 +137,7 @@ const POLISH: u32 = 8;
 
 /// The certified solution to which Newton's method leads from the impulses `r` (N·s) at which a run ended, if it does. It may be far
 /// from them.
-pub fn polished<M: Coulomb>(problem: &Packing<M>, r: &[f64]) -> Option<RoughSolution>
+pub fn polished<M: Provable>(problem: &Packing<M>, r: &[f64]) -> Option<RoughSolution>
 where
     ActiveSet: Solver<M>,
 {
@@ -164,7 +164,7 @@ pub fn distance<M: Mechanics>(problem: &ContactProblem<M>, r: &[f64], other: &[f
 }
 
 /// Returns the solution at which the active set ends, begun from impulses `r0` with accelerated sweeps.
-fn from<M: Coulomb>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
+fn from<M: Provable>(problem: &Packing<M>, r0: &[f64]) -> RoughSolution
 where
     ActiveSet: Solver<M>,
 {
@@ -182,7 +182,7 @@ where
 }
 
 /// Impulses within the cones, the same for the same seed.
-fn drawn<M: Coulomb>(problem: &Packing<M>, seed: u64) -> Vec<f64> {
+fn drawn<M: Provable>(problem: &Packing<M>, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (b, w) = (problem.b(), problem.delassus_diagonal());
     let greatest =

@@ -22,7 +22,7 @@ enum Contact<const D: usize> {
 
 /// Coulomb's law at a contact, and the status of its impulse.
 #[derive(Clone, Copy)]
-pub struct Coulomb<const D: usize> {
+pub struct FrictionStatus<const D: usize> {
     /// μ.
     friction: f64,
     /// `w_t`, of `W_αα`.
@@ -96,14 +96,14 @@ impl<const D: usize> State<SVector<f64, D>> {
 impl<const D: usize> Law for SVector<f64, D> {
     type OfContact = law::Coulomb<f64>;
 
-    type Status = Coulomb<D>;
+    type Status = FrictionStatus<D>;
 
     const MINIMISES: bool = false;
 
-    fn status(r: Self, friction: f64, diagonal: Self, unit: Self) -> Coulomb<D> {
+    fn status(r: Self, friction: f64, diagonal: Self, unit: Self) -> FrictionStatus<D> {
         let friction = friction * (unit[D - 1] / unit[0]);
         let (_, contact) = admitted(friction, r, false, tangent());
-        Coulomb { friction, weight: diagonal[D - 1], contact }
+        FrictionStatus { friction, weight: diagonal[D - 1], contact }
     }
 
     /// A contact that slid, and that no direction moves into its cone, stays on the boundary: else it would come to lie inside, only
