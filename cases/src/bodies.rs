@@ -10,7 +10,7 @@ use crate::bodies::bumps::Bumps;
 use crate::bodies::driven::{DrivenSegment, PlacedLid};
 use crate::bodies::joints::{Joints, Line};
 use crate::bodies::seeker::{Near, Seeker};
-use crate::detect::{Side, WALLS};
+use crate::detect::{DetectedContact, Side, WALLS};
 use crate::scene::Scene;
 use crate::scene::drum::Drum;
 use crate::scene::walls::{MovingWall, WallMotion};
@@ -33,7 +33,7 @@ impl<'s, P: Place> Bodies<'s, P> {
         (scene, joints): (&'s Scene, &'s Joints),
         (time, since): (f64, f64),
         (position, radius): (&[P], &[f64]),
-        came: impl Fn(u32) -> P,
+        came: &dyn Fn(u32) -> P,
     ) -> Self {
         let walls = scene.walls_from(time);
         Self {
@@ -47,7 +47,7 @@ impl<'s, P: Place> Bodies<'s, P> {
     }
 
     /// The contacts of a grain with bodies that move as given, in the order of a problem.
-    pub(crate) fn fixed(&self, seeker: &Seeker<P>) -> impl Iterator<Item = Near<P>> {
+    fn fixed(&self, seeker: &Seeker<P>) -> impl Iterator<Item = Near<P>> {
         let walls = WALLS.into_iter().zip(self.walls).filter_map(move |(side, wall)| {
             let wall = wall?;
             let (gap, normal) = (wall.now.gap(seeker.place, seeker.radius), wall.now.normal);
@@ -59,14 +59,36 @@ impl<'s, P: Place> Bodies<'s, P> {
             .chain(self.line.near(seeker))
     }
 
+    /// Calls `visit` with every contact, by rising candidate: those of the seekers with bodies at rest or moved, their `pairs`, those with
+    /// bodies that a force drives; then those of such bodies with their guides.
+    pub(crate) fn each_contact(
+        &self,
+        seekers: &mut dyn Iterator<Item = Seeker<P>>,
+        pairs: &[DetectedContact<P>],
+        visit: &mut dyn FnMut(&DetectedContact<P>, &WallMotion<P>),
+    ) {
+        let mut rest = pairs;
+        for seeker in seekers {
+            self.fixed(&seeker).for_each(|(pair, motion)| visit(&pair, &motion));
+            while let Some((pair, others)) =
+                rest.split_first().filter(|(pair, _)| pair.candidate == seeker.grain)
+            {
+                visit(pair, &WallMotion::NONE);
+                rest = others;
+            }
+            self.driven(&seeker).for_each(|(pair, motion)| visit(&pair, &motion));
+        }
+        self.guides().for_each(|(pair, motion)| visit(&pair, &motion));
+    }
+
     /// The contacts of a grain with bodies that a force drives.
-    pub(crate) fn driven(&self, seeker: &Seeker<P>) -> impl Iterator<Item = Near<P>> {
+    fn driven(&self, seeker: &Seeker<P>) -> impl Iterator<Item = Near<P>> {
         let lid = self.lid.iter().flat_map(move |lid| lid.near(seeker));
         lid.chain(self.driven.iter().filter_map(move |segment| segment.near(seeker)))
     }
 
     /// The contacts of these bodies with their guides.
-    pub(crate) fn guides(&self) -> impl Iterator<Item = Near<P>> {
+    fn guides(&self) -> impl Iterator<Item = Near<P>> {
         let of_lid = self.lid.iter().flat_map(PlacedLid::guides);
         of_lid.chain(self.driven.iter().flat_map(DrivenSegment::guides))
     }

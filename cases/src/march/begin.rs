@@ -5,6 +5,7 @@ use super::March;
 use crate::detect::{DetectedContact, OVERLAP, Side};
 use crate::problem::marched::Marched;
 use crate::sample::Sample;
+use crate::scene::walls::WallMotion;
 use contact::{Vector, shown};
 
 impl<M: Marched> March<M> {
@@ -13,15 +14,14 @@ impl<M: Marched> March<M> {
         let of_segment =
             |pair: &DetectedContact<_>| matches!(pair.antagonist, Side::Segment(_) | Side::Driven(..));
         let own = matches!(sample, Sample::Triangular { overlap, .. } if *overlap > 0.0);
-        let here = |_| M::Place::ZERO;
-        let found = self.too_deep((0.0, 0.0), (&self.position, here, 0.0), |pair| !own || of_segment(pair));
+        let found = self.too_deep((0.0, 0.0), (&self.position, 0.0), &|pair| !own || of_segment(pair));
         if let Some((text, key)) = found {
             return Err(format!("{key}: {text} when time begins: move one of them"));
         }
         let (position, free_velocity) = self.free();
         let times = (self.detection(), self.since_detection());
         let reach = self.reach(&position, &free_velocity);
-        match self.too_deep(times, (&position, here, reach), of_segment) {
+        match self.too_deep(times, (&position, reach), &of_segment) {
             Some((text, key)) => Err(format!(
                 "{key}: {text} at {} s, when contacts are sought for the first time: shorten `scene.time_step_s`, or let it begin farther away",
                 shown(times.0)
@@ -34,11 +34,11 @@ impl<M: Marched> March<M> {
     fn too_deep(
         &self,
         times: (f64, f64),
-        (position, ahead, reach): (&[M::Place], impl Fn(u32) -> M::Place, f64),
-        judged: impl Fn(&DetectedContact<M::Place>) -> bool,
+        (position, reach): (&[M::Place], f64),
+        judged: &dyn Fn(&DetectedContact<M::Place>) -> bool,
     ) -> Option<(String, String)> {
         let mut found = None;
-        self.for_each_near(times, (position, ahead), reach, |pair, _| {
+        let mut visit = |pair: &DetectedContact<M::Place>, _: &WallMotion<M::Place>| {
             let radius = |grain: u32| self.radius[grain as usize];
             let own = radius(pair.candidate);
             let smaller = if let Side::Grain(other) = pair.antagonist { own.min(radius(other)) } else { own };
@@ -55,7 +55,8 @@ impl<M: Marched> March<M> {
                 );
                 found = Some((text, key(pair.antagonist)));
             }
-        });
+        };
+        self.for_each_near(times, (position, &|_| M::Place::ZERO), reach, &mut visit);
         found
     }
 }

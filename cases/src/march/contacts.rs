@@ -49,7 +49,7 @@ impl<M: Marched> March<M> {
     ) -> (Vec<M::Contact>, Vec<Entered<M::Place>>) {
         let Scene { time_step_s: h, law, restitution, contact_copies, .. } = self.scene;
         let (mut contacts, mut near) = (Vec::new(), Vec::new());
-        let enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
+        let mut enter = |pair: &DetectedContact<M::Place>, motion: &WallMotion<M::Place>| {
             // The guides of a lid and of driven segments are smooth.
             let is_guided = pair.candidate as usize >= self.grain_count();
             let friction = if is_guided { 0.0 } else { self.friction(pair) };
@@ -74,7 +74,7 @@ impl<M: Marched> March<M> {
             }
         };
         let ahead = |grain: u32| translation::<M>(free_velocity[grain as usize]) * h;
-        self.for_each_near((self.detection(), self.since_detection()), (position, ahead), reach, enter);
+        self.for_each_near((self.detection(), self.since_detection()), (position, &ahead), reach, &mut enter);
         (contacts, near)
     }
 
@@ -83,28 +83,25 @@ impl<M: Marched> March<M> {
     pub(super) fn for_each_near(
         &self,
         (time, since): (f64, f64),
-        (position, ahead): (&[M::Place], impl Fn(u32) -> M::Place),
+        (position, ahead): (&[M::Place], &dyn Fn(u32) -> M::Place),
         reach: f64,
-        mut visit: impl FnMut(&DetectedContact<M::Place>, &WallMotion<M::Place>),
+        visit: &mut dyn FnMut(&DetectedContact<M::Place>, &WallMotion<M::Place>),
     ) {
         let (grains, period) = (self.grain_count(), self.scene.period());
         let came = |k: u32| translation::<M>(self.velocity[k as usize]) * since;
         let scene = (&self.scene, &self.joints);
-        let bodies = Bodies::at(scene, (time, since), (position, &self.radius), came);
+        let bodies = Bodies::at(scene, (time, since), (position, &self.radius), &came);
         let mut neighbours = self.neighbours.borrow_mut();
         let pairs = neighbours.contacts(&position[..grains], &self.radius[..grains], reach, period);
-        let mut rest = &pairs[..];
-        for (grain, (place, radius)) in (0_u32..).zip(position.iter().zip(&self.radius)).take(grains) {
-            let (place, radius) = (*place, *radius);
-            let seeker = Seeker { grain, place, radius, came: came(grain), ahead: ahead(grain), reach };
-            bodies.fixed(&seeker).for_each(|(pair, motion)| visit(&pair, &motion));
-            while let Some((pair, others)) = rest.split_first().filter(|(pair, _)| pair.candidate == grain) {
-                visit(pair, &WallMotion::NONE);
-                rest = others;
-            }
-            bodies.driven(&seeker).for_each(|(pair, motion)| visit(&pair, &motion));
-        }
-        bodies.guides().for_each(|(pair, motion)| visit(&pair, &motion));
+        let seeker = |grain: u32| Seeker {
+            grain,
+            place: position[grain as usize],
+            radius: self.radius[grain as usize],
+            came: came(grain),
+            ahead: ahead(grain),
+            reach,
+        };
+        bodies.each_contact(&mut (0..grains as u32).map(seeker), &pairs, visit);
     }
 
     /// μ of a pair, by whether it slid in the time step before (–).

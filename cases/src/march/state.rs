@@ -10,10 +10,12 @@ use crate::sample::Sample;
 use crate::sample::made::mass_of;
 use crate::sample::placed::{DENSITY, MOTION};
 use crate::scene::Scene;
-use contact::{Mechanics, Vector, shown};
+use contact::{Mechanics, Vector, of_each_mechanics, shown};
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::any::Any;
 use std::path::Path;
 
 /// State after a time step. Units are SI.
@@ -27,9 +29,9 @@ struct File<P, V, R> {
     /// Name of its case.
     case: String,
     /// The sample of its case.
-    sample: Sample,
+    sample: Value,
     /// The scene of its case.
-    scene: Scene,
+    scene: Value,
     /// Number of time steps done.
     time_steps: u64,
     /// Status of the last time step, if it did not converge.
@@ -133,6 +135,42 @@ struct Head {
     mechanics: Option<String>,
 }
 
+/// Refuses a file of another format or `mechanics`.
+fn check_head(text: &str, mechanics: &str, case: &str) -> Result<(), String> {
+    let head: Head = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    for (key, found, expected) in [("format", head.format, FORMAT), ("mechanics", head.mechanics, mechanics)]
+    {
+        let found = found.unwrap_or_else(|| "left out".to_owned());
+        if found != expected {
+            return Err(format!("`{key}` is {found}: a state of case {case} has {expected}"));
+        }
+    }
+    Ok(())
+}
+
+/// Reader and writer of the files of a mechanics. They are erased, so that they are compiled in this crate once, not with each march.
+struct Format {
+    mechanics: &'static str,
+    read: fn(&str) -> Result<Box<dyn Any>, String>,
+    text: fn(&dyn Any) -> serde_json::Result<String>,
+}
+
+static FORMATS: &[Format] = &of_each_mechanics!(format_of);
+
+const fn format_of<M: Marched>() -> Format {
+    Format {
+        mechanics: M::NAME,
+        read: |text| of_json::<FileOf<M>>(text).map(|file| Box::new(file) as Box<dyn Any>),
+        text: |file| {
+            serde_json::to_string(file.downcast_ref::<FileOf<M>>().expect("a file of this mechanics"))
+        },
+    }
+}
+
+fn format<M: Marched>() -> &'static Format {
+    FORMATS.iter().find(|format| format.mechanics == M::NAME).expect("a mechanics in the list of all")
+}
+
 /// Reads the text of a file, without its seal.
 fn opened(path: &Path) -> Result<String, CaseError> {
     let text = read_text(path)?;
@@ -145,7 +183,7 @@ fn opened(path: &Path) -> Result<String, CaseError> {
 #[derive(Deserialize)]
 struct Grains {
     format: String,
-    scene: Scene,
+    scene: Value,
     bodies: Bodies<Vec<f64>, Vec<f64>>,
 }
 
@@ -166,6 +204,7 @@ pub fn grains_of_state(path: &Path) -> Result<String, CaseError> {
     if [mass.len(), position.len(), velocity.len()].iter().any(|count| *count != radius.len()) {
         return Err(wrong("the lists of `bodies` differ in length".to_owned()));
     }
+    let scene: Scene = of_value("scene", scene).map_err(wrong)?;
     let dimensions = position.first().map_or(0, Vec::len);
     let in_space = usize::from(dimensions > 2);
     let mut heads = ["x_m", "y_m", "z_m"][..dimensions].to_vec();
@@ -181,6 +220,30 @@ pub fn grains_of_state(path: &Path) -> Result<String, CaseError> {
         table += &(values.join(",") + "\n");
     }
     Ok(table)
+}
+
+/// Returns the sample and the scene of a case as a state holds them.
+fn of_case(case: &Case) -> serde_json::Result<(Value, Value)> {
+    Ok((serde_json::to_value(&case.sample)?, serde_json::to_value(&case.scene)?))
+}
+
+/// Reads the value of a key of a state, in which defaults may be left out.
+fn of_value<T: DeserializeOwned>(key: &str, value: Value) -> Result<T, String> {
+    serde_path_to_error::deserialize(value)
+        .map_err(|error| format!("`{key}.{}`: {}", error.path(), error.inner()))
+}
+
+/// Refuses a state of other grains or of another scene than those of its case.
+fn check_case(case: &Case, of: &str, sample: Value, scene: Value) -> Result<(), String> {
+    let there: (Sample, Scene) = (of_value("sample", sample)?, of_value("scene", scene)?);
+    if there.0 == case.sample && there.1 == case.scene {
+        return Ok(());
+    }
+    let json = |sample: &Sample, scene: &Scene| serde_json::json!({ "sample": sample, "scene": scene });
+    let (there, here) = (json(&there.0, &there.1), json(&case.sample, &case.scene));
+    let differs = ["sample", "scene"].into_iter().find_map(|key| difference(key, &there[key], &here[key]));
+    let (key, there, here) = differs.unwrap_or_default();
+    Err(format!("it is a state of case {of}, in which `{key}` is {there}; in this case it is {here}"))
 }
 
 /// Returns the first value in which two texts of JSON differ, by its key, in the first and in the second.
@@ -221,12 +284,13 @@ impl<M: Marched> March<M> {
     /// # Errors
     /// Those of JSON, which none of the numbers of a march that has not exploded causes.
     pub fn state(&self, case: &Case) -> serde_json::Result<String> {
+        let (sample, scene) = of_case(case)?;
         let file: FileOf<M> = File {
             format: FORMAT.to_owned(),
             mechanics: M::NAME.to_owned(),
             case: case.name.clone(),
-            sample: case.sample.clone(),
-            scene: case.scene.clone(),
+            sample,
+            scene,
             time_steps: self.done,
             missed: self.missed,
             bodies: Bodies {
@@ -239,7 +303,7 @@ impl<M: Marched> March<M> {
             before: listed(&self.before),
             sliding: self.sliding.clone(),
         };
-        Ok(serde_json::to_string(&file)? + "\n")
+        Ok((format::<M>().text)(&file)? + "\n")
     }
 
     /// Takes over the state of a file, which a march through the same scene wrote.
@@ -249,35 +313,14 @@ impl<M: Marched> March<M> {
     pub fn resume(&mut self, case: &Case, path: &Path) -> Result<(), CaseError> {
         let wrong = |message: String| CaseError::content(path, message);
         let text = opened(path)?;
-        let head: Head = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
-        for (key, found, expected) in
-            [("format", head.format, FORMAT), ("mechanics", head.mechanics, M::NAME)]
-        {
-            let found = found.unwrap_or_else(|| "left out".to_owned());
-            if found != expected {
-                return Err(wrong(format!(
-                    "`{key}` is {found}: a state of case {} has {expected}",
-                    case.name
-                )));
-            }
-        }
-        let file: FileOf<M> = of_json(&text).map_err(wrong)?;
-        self.take(case, file).map_err(wrong)
+        check_head(&text, M::NAME, &case.name).map_err(wrong)?;
+        let file = (format::<M>().read)(&text).map_err(wrong)?.downcast().expect("a file of this mechanics");
+        self.take(case, *file).map_err(wrong)
     }
 
     fn take(&mut self, case: &Case, file: FileOf<M>) -> Result<(), String> {
         let File { case: of, sample, scene, time_steps, missed, bodies, last, before, sliding, .. } = file;
-        if sample != case.sample || scene != case.scene {
-            let json =
-                |sample: &Sample, scene: &Scene| serde_json::json!({ "sample": sample, "scene": scene });
-            let (there, here) = (json(&sample, &scene), json(&case.sample, &case.scene));
-            let differs =
-                ["sample", "scene"].into_iter().find_map(|key| difference(key, &there[key], &here[key]));
-            let (key, there, here) = differs.unwrap_or_default();
-            return Err(format!(
-                "it is a state of case {of}, in which `{key}` is {there}; in this case it is {here}"
-            ));
-        }
+        check_case(case, &of, sample, scene)?;
         let count = self.radius.len();
         let Bodies { radius, mass, position, velocity } = bodies;
         for (key, found) in [
