@@ -96,21 +96,29 @@ impl<R: Entry> Store<R> {
     /// If a file cannot be written.
     pub fn write_tables(&mut self, study: &Study) -> Result<(), StoreError> {
         self.journal.sync()?;
-        let format = |source| StoreError::Format { path: self.folder.clone(), source };
-        let mut named = study.tables().map_err(format)?;
-        let bytes = named.par_iter_mut().map(|Named { table, .. }| parquet_of(table));
-        let mut bytes = bytes.collect::<PolarsResult<Vec<_>>>().map_err(format)?;
-        seal_tables(&mut bytes)
-            .map_err(|source| StoreError::Damaged { path: self.folder.clone(), source })?;
-        named.into_par_iter().zip(bytes).try_for_each(|(Named { name, mut table, csv }, bytes)| {
-            write_table(&parquet(&self.folder, name), |file| Ok(file.write_all(&bytes)?))?;
-            if csv {
-                let path = self.folder.join(name).with_extension("csv");
-                write_table(&path, |file| CsvWriter::new(file).finish(&mut table))?;
-            }
-            Ok(())
-        })
+        write_tables(&self.folder, study, true)
     }
+}
+
+/// Replaces the tables in a folder, each file at once; as CSV too where that is `wanted` and a table has it.
+///
+/// # Errors
+///
+/// If a file cannot be written.
+pub fn write_tables(folder: &Path, study: &Study, wanted: bool) -> Result<(), StoreError> {
+    let format = |source| StoreError::Format { path: folder.to_owned(), source };
+    let mut named = study.tables().map_err(format)?;
+    let bytes = named.par_iter_mut().map(|Named { table, .. }| parquet_of(table));
+    let mut bytes = bytes.collect::<PolarsResult<Vec<_>>>().map_err(format)?;
+    seal_tables(&mut bytes).map_err(|source| StoreError::Damaged { path: folder.to_owned(), source })?;
+    named.into_par_iter().zip(bytes).try_for_each(|(Named { name, mut table, csv }, bytes)| {
+        write_table(&parquet(folder, name), |file| Ok(file.write_all(&bytes)?))?;
+        if csv && wanted {
+            let path = folder.join(name).with_extension("csv");
+            write_table(&path, |file| CsvWriter::new(file).finish(&mut table))?;
+        }
+        Ok(())
+    })
 }
 
 /// Writes a table whole, to the disk.

@@ -2,6 +2,7 @@
 
 mod check;
 mod pack;
+mod renew;
 
 use crate::cli::args::PlanArgs;
 use crate::root::{Root, stem};
@@ -10,6 +11,7 @@ use crate::terminal::say_table;
 use anyhow::{Context, Result, bail};
 use check::Check;
 use pack::pack;
+use renew::renew;
 use results::journal::Record;
 use results::schema::Provenance;
 use results::simulation::Simulated;
@@ -39,6 +41,15 @@ pub(crate) struct Args {
 enum Command {
     /// Check the checksums of a packed study, or of archived tables, and make a share of the runs again, to the same counts
     Check(Check),
+    /// Replace archived rows by those of a study: of the same method, variant and problem; new ones are added
+    Renew {
+        /// The folder of archived tables, such as results/archive/PLAN
+        #[arg(value_name = "ARCHIVED")]
+        archived: PathBuf,
+        /// The folder of the study, such as results/runs/PLAN
+        #[arg(value_name = "STUDY")]
+        study: PathBuf,
+    },
     /// Print a Markdown table of the archived studies: rows, size, commit, machine
     List {
         /// The folder of the archive [default: results/archive of the checkout]
@@ -49,6 +60,7 @@ enum Command {
 pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     match (&args.command, &args.output) {
         (Some(Command::Check(check)), _) => check.run(root),
+        (Some(Command::Renew { archived, study }), _) => renew(archived, study).map(|()| ExitCode::SUCCESS),
         (Some(Command::List { folder }), _) => {
             let folder = folder.clone().unwrap_or_else(|| root.join("results/archive"));
             list(&folder).map(|()| ExitCode::SUCCESS)

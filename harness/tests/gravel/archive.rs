@@ -124,3 +124,40 @@ fn changed_packs_are_refused_and_other_counts_found() {
         "{found}"
     );
 }
+
+#[test]
+fn archived_rows_are_renewed_by_those_of_the_same_method_and_problem_alone() {
+    let (study, _) = packed();
+    let (archived, runs) = (study.folder().path().join("archived"), study.runs("packed"));
+    fs::create_dir(&archived).unwrap();
+    for file in fs::read_dir(&runs).unwrap().map(|entry| entry.unwrap().path()) {
+        if file.extension().is_some_and(|ending| ending == "parquet") {
+            fs::copy(&file, archived.join(file.file_name().unwrap())).unwrap();
+        }
+    }
+    let renew = || study.gravel(&["archive", "renew", text(&archived), text(&runs)]);
+    let seconds = || {
+        let study = results::store::read(&archived).unwrap().0;
+        let results::study::Study::Runs(runs) = study else { panic!("simulations") };
+        let all = runs.records.into_iter().map(|one| (one.run.method, one.run.timing.wall_s));
+        all.collect::<Vec<_>>()
+    };
+    let before = seconds();
+    study.gravel(&["bench", "packed", "--fresh", "--only", "method=nsgs"]).succeeded();
+    let said = renew().succeeded().stdout;
+    assert!(said.contains("6 runs, renewed by 3 runs: 6 runs now"), "{said}");
+    for (before, after) in before.iter().zip(seconds()) {
+        assert!(before.0 == after.0 && (before.1 == after.1) == (after.0 == "cg"), "{before:?} {after:?}");
+    }
+    // Two of the problems are others now, and `cg` was not run on them.
+    let case = study.folder().path().join("cases/column.toml");
+    let text_of_case = fs::read_to_string(&case).unwrap();
+    let changed = text_of_case.replace("density_kg_per_m2 = ", "density_kg_per_m2 = 2");
+    assert_ne!(changed, text_of_case);
+    fs::write(&case, changed).unwrap();
+    study.gravel(&["bench", "packed", "--fresh", "--only", "method=nsgs"]).succeeded();
+    renew().refused(&["column", "another problem", "all of its methods"]);
+    assert_eq!(seconds().len(), 6);
+    let other = study.folder().path().join("results/runs/packed-quick");
+    study.gravel(&["archive", "renew", text(&archived), text(&other)]).refused(&["packed-quick"]);
+}
