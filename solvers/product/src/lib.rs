@@ -19,7 +19,7 @@ use contact::{
 };
 use layout::Units;
 use partition::{Subdomain, Sums};
-use passes::{Dispatched, Pass, Pull, PullAndPush, PullAround, Push, PushFew, SUMS, Square};
+use passes::{Dispatched, Pass, Pull, PullAndPush, PullAround, Push, PushFew, SUMS, Square, parts};
 use pulp::Arch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
