@@ -26,6 +26,9 @@ pub(crate) struct Bodies<'s, P> {
     driven: Vec<DrivenSegment<'s, P>>,
 }
 
+/// Function that is called with a contact, and with the motion of its body.
+pub(crate) type Visit<'v, P> = dyn FnMut(&DetectedContact<P>, &WallMotion<P>) + 'v;
+
 impl<'s, P: Place> Bodies<'s, P> {
     /// The bodies of a scene at a `time` (s), some time `since` contacts were sought last; those that a force drives are the last at
     /// these positions (m), and `came` gives their displacements since then (m).
@@ -65,7 +68,7 @@ impl<'s, P: Place> Bodies<'s, P> {
         &self,
         seekers: &mut dyn Iterator<Item = Seeker<P>>,
         pairs: &[DetectedContact<P>],
-        visit: &mut dyn FnMut(&DetectedContact<P>, &WallMotion<P>),
+        visit: &mut Visit<P>,
     ) {
         let mut rest = pairs;
         for seeker in seekers {

@@ -1,8 +1,8 @@
 //! The contacts of a time step: which are near, which the law lets in, and their impulses of the time step before.
 
 use super::March;
-use crate::bodies::Bodies;
 use crate::bodies::seeker::Seeker;
+use crate::bodies::{Bodies, Visit};
 use crate::detect::{DetectedContact, Side};
 use crate::error::CaseError;
 use crate::problem::marched::{Marched, parts, slides, translation};
@@ -85,7 +85,7 @@ impl<M: Marched> March<M> {
         (time, since): (f64, f64),
         (position, ahead): (&[M::Place], &dyn Fn(u32) -> M::Place),
         reach: f64,
-        visit: &mut dyn FnMut(&DetectedContact<M::Place>, &WallMotion<M::Place>),
+        visit: &mut Visit<M::Place>,
     ) {
         let (grains, period) = (self.grain_count(), self.scene.period());
         let came = |k: u32| translation::<M>(self.velocity[k as usize]) * since;

@@ -283,6 +283,9 @@ impl<M: Marched> March<M> {
     ///
     /// # Errors
     /// Those of JSON, which none of the numbers of a march that has not exploded causes.
+    ///
+    /// # Panics
+    /// Of a mechanics that is not in the list of all.
     pub fn state(&self, case: &Case) -> serde_json::Result<String> {
         let (sample, scene) = of_case(case)?;
         let file: FileOf<M> = File {
@@ -310,6 +313,9 @@ impl<M: Marched> March<M> {
     ///
     /// # Errors
     /// Names the file, and the key and the value by which it is of another format, mechanics or case, or damaged.
+    ///
+    /// # Panics
+    /// Of a mechanics that is not in the list of all.
     pub fn resume(&mut self, case: &Case, path: &Path) -> Result<(), CaseError> {
         let wrong = |message: String| CaseError::content(path, message);
         let text = opened(path)?;

@@ -2,7 +2,7 @@
 
 use crate::{Block, Columns, Contacts, add};
 use bytemuck::Zeroable;
-use contact::{Column, Mechanics, Numbers, Vector, VisitedIn};
+use contact::{Mechanics, Numbers, Vector, VisitedIn};
 use pulp::{Simd, WithSimd};
 
 /// A function of a contact, for a pass over all: a closure, or a type whose method is inlined for sure. A function that is not inlined
