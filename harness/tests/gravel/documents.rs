@@ -3,7 +3,7 @@
 use crate::common::{checkout, command, gravel, text, write};
 use serde_json::Value;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
@@ -173,4 +173,37 @@ fn every_column_of_a_simulation_is_on_its_page() {
             header.split(',').filter(|name| !page.contains(&format!("`{name}`"))).collect();
         assert!(missing.is_empty() && header.contains(','), "{}: {missing:?}", file.display());
     }
+}
+
+/// The Markdown files below a folder of the tree, but not those that a run writes.
+fn markdown(folder: &Path) -> Vec<PathBuf> {
+    let is_written = |path: &Path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.starts_with('.') || ["target", "runs", "out"].contains(&&*name)
+    };
+    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths.filter(|path| !is_written(path)).fold(Vec::new(), |mut all, path| {
+        if path.is_dir() {
+            all.extend(markdown(&path));
+        } else if path.extension().is_some_and(|ending| ending == "md") {
+            all.push(path);
+        }
+        all
+    })
+}
+
+#[test]
+fn links_lead_to_files() {
+    let mut links = 0;
+    for page in markdown(&checkout()) {
+        let text = fs::read_to_string(&page).unwrap();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', ' ', '#']).next()) {
+            if link.is_empty() || link.contains(':') {
+                continue;
+            }
+            links += 1;
+            assert!(page.parent().unwrap().join(link).exists(), "{}: {link} is not there", page.display());
+        }
+    }
+    assert!(links > 100, "{links} links");
 }
