@@ -97,6 +97,13 @@ impl Sums {
         self.velocity_jump = law::greatest([self.velocity_jump, other.velocity_jump].into_iter());
     }
 
+    /// Returns the change of the impulses from `before` to `r`, without any other sum.
+    pub fn of_change(before: &[f64], r: &[f64]) -> Self {
+        let mut sums = Self::default();
+        before.chunks(BLOCK).zip(r.chunks(BLOCK)).for_each(|(before, r)| sums.take_change(before, r));
+        sums
+    }
+
     /// Adds the change of the impulses from `before` to `r`, lists of some contacts.
     pub fn take_change(&mut self, before: &[f64], r: &[f64]) {
         let change = Arch::new().dispatch(lanes::Change { before, r });
@@ -114,7 +121,7 @@ impl Sums {
     }
 
     /// Takes a rate that is greater than that so far, or NaN, which stays.
-    pub(crate) fn take_rate(&mut self, rate: f64, contact: Option<usize>) {
+    pub fn take_rate(&mut self, rate: f64, contact: Option<usize>) {
         if !(rate <= self.penetration_rate) && !self.penetration_rate.is_nan() {
             self.penetration_rate = rate;
             self.worst_contact = contact.map_or(-1.0, |contact| contact as f64);
@@ -124,9 +131,7 @@ impl Sums {
 
 /// ζ = √(|r − before|²/(rᵗ before)) (–) of two iterates; NaN from r = 0, or from none.
 pub fn zeta(before: &[f64], r: &[f64]) -> f64 {
-    let mut sums = Sums::default();
-    before.chunks(BLOCK).zip(r.chunks(BLOCK)).for_each(|(before, r)| sums.take_change(before, r));
-    sums.zeta()
+    Sums::of_change(before, r).zeta()
 }
 
 /// A residual over its scale; 0 where there is nothing left, whatever the scale.

@@ -2,7 +2,8 @@
 
 use crate::judge::Judge;
 use crate::{Measured, Outcome, Progress, Stop, moving_share, run};
-use contact::{ContactProblem, Discs, Measure, Measures, SetupError, law, ratio, zeta};
+use contact::sums::Sums;
+use contact::{ContactProblem, Discs, Measure, Measures, SetupError, law, ratio};
 use local::{LocalProblem, Method};
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -57,20 +58,22 @@ impl Judge for OnW<'_> {
         let v = self.problem.velocity(r);
         let left = self.problem.left(r, &v);
         let energy = energy(self.problem, r, &v);
-        let approach = |v: &[f64]| law::non_negative(-v[0]);
-        let rates = v.chunks(self.problem.dimension()).map(approach).enumerate();
-        let worst = rates.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, rate)| *rate > 0.0);
+        let mut sums = Sums {
+            natural_map: left * left,
+            energy_twice: 2.0 * energy,
+            velocity_jump,
+            // Those of LMGC90 are for grains.
+            dv: f64::NAN,
+            greatest_dv: f64::NAN,
+            ..Sums::of_change(before, r)
+        };
+        for (contact, v) in v.chunks(self.problem.dimension()).enumerate() {
+            sums.take_rate(law::non_negative(-v[0]), Some(contact));
+        }
         Measures {
-            zeta: zeta(before, r),
-            natural_map: ratio(left, self.scale.sqrt()),
-            penetration_rate: worst.map_or(0.0, |(_, rate)| rate),
-            worst_contact: worst.map(|(contact, _)| contact),
             velocity_error: self.truth.map_or(f64::NAN, |truth| truth.velocity_error(r, &v)),
             energy_gap: self.truth.map_or(f64::NAN, |truth| (energy - truth.energy) / truth.energy.abs()),
-            quad_dv: f64::NAN,
-            max_dv: f64::NAN,
-            velocity_jump,
-            energy,
+            ..sums.measures(self.scale)
         }
     }
 
