@@ -58,15 +58,12 @@ impl Judge for OnW<'_> {
         let v = self.problem.velocity(r);
         let left = self.problem.left(r, &v);
         let energy = energy(self.problem, r, &v);
-        let mut sums = Sums {
-            natural_map: left * left,
-            energy_twice: 2.0 * energy,
-            velocity_jump,
-            // Those of LMGC90 are for grains.
-            dv: f64::NAN,
-            greatest_dv: f64::NAN,
-            ..Sums::of_change(before, r)
-        };
+        let mut sums = Sums::of_change(before, r);
+        sums.natural_map = left * left;
+        sums.energy_twice = 2.0 * energy;
+        sums.velocity_jump = velocity_jump;
+        // Those of LMGC90 are for grains.
+        (sums.dv, sums.greatest_dv) = (f64::NAN, f64::NAN);
         for (contact, v) in v.chunks(self.problem.dimension()).enumerate() {
             sums.take_rate(law::non_negative(-v[0]), Some(contact));
         }
