@@ -6,21 +6,21 @@
 //! Where sweeps stall, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where
 //! factors do not fit in memory, sweeps are the only stage.
 
-mod damped;
 mod exact;
 mod matrix;
 mod newton;
 mod path;
 mod points;
+mod whole;
 
 use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, Start, accelerated};
 use crate::{ActiveSet, Best};
 use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
-use damped::Damped;
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
 use points::{Approach, PointSolver, Points};
+use whole::Whole;
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
@@ -230,6 +230,6 @@ impl Solver<RoughSpheres> for ActiveSet {
         problem: &'p Packing<RoughSpheres>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        self.with_friction::<Damped, 3, 6>(problem, r0)
+        self.with_friction::<Whole, 3, 6>(problem, r0)
     }
 }

@@ -20,9 +20,6 @@ const SHORTER: f64 = 0.5;
 /// The share of a step that must come off what is left, times the length of the step (–).
 const WORTH_IT: f64 = 0.1;
 
-/// Sweeps after a step of Newton towards a point that draws: they take a tenth of the time of its factor.
-pub(super) const SMOOTHING: u32 = 20;
-
 /// Newton's method, and its iterate.
 pub(super) struct Newton<const D: usize, const N: usize>
 where
@@ -102,7 +99,7 @@ where
             return Step::Solved;
         }
         let s = std::mem::take(&mut self.s);
-        let Some((next, left)) = self.shortened(Self::ALONE, &s, before) else {
+        let Some((next, left)) = self.shortened(&s, before) else {
             return Step::InVain;
         };
         self.s = next;
@@ -112,20 +109,12 @@ where
 
     /// A step of Newton from s, which leaves `before` (√J), with what it leaves: shortened until it leaves less. Where no part of it
     /// does, none.
-    pub(super) fn shortened(
-        &mut self,
-        drawn: Drawn<D>,
-        s: &[SVector<f64, D>],
-        before: f64,
-    ) -> Option<(Vec<SVector<f64, D>>, f64)> {
-        let whole = self.step(drawn, s)?;
+    fn shortened(&mut self, s: &[SVector<f64, D>], before: f64) -> Option<(Vec<SVector<f64, D>>, f64)> {
+        let whole = self.step(Self::ALONE, s)?;
         let mut share = 1.0;
         for _ in 0..=Self::SHORTENED {
-            let mut next: Vec<_> = s.iter().zip(&whole).map(|(s, whole)| s + share * (whole - s)).collect();
-            if drawn.centre.is_some() {
-                self.sweep(drawn, &mut next, SMOOTHING);
-            }
-            let left = self.left(drawn, &next);
+            let next: Vec<_> = s.iter().zip(&whole).map(|(s, whole)| s + share * (whole - s)).collect();
+            let left = self.left(Self::ALONE, &next);
             if left < before * (1.0 - WORTH_IT * share) {
                 return Some((next, left));
             }
@@ -137,7 +126,7 @@ where
     /// The impulses to which a step of Newton leads from s, for the statuses of s − v: those that s has to first order. v comes from s
     /// each time, so that no error of K stays. `None` if the matrix has no factor,
     /// or does not fit in memory.
-    fn step(&mut self, drawn: Drawn<D>, s: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
+    pub(super) fn step(&mut self, drawn: Drawn<D>, s: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
         let (layout, matrix) = self.parts()?;
         let status = layout.statuses(s, &drawn.velocity(layout, s));
         if !matrix.is_of(&status, drawn.epsilon) && !matrix.factorise(&layout.columns, &status, drawn.epsilon)

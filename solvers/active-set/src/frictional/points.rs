@@ -16,9 +16,9 @@ use nalgebra::SVector;
 /// ε of the first point (–).
 const FIRST: f64 = 1e-3;
 
-/// Factor by which ε falls and grows (–), and how many steps are few.
+/// Factor by which ε falls and grows (–), and how many steps are few; in space, where there are no exact paths, a point takes no more.
 const FACTOR: f64 = 2.0;
-const FEW: u32 = 6;
+pub(super) const FEW: u32 = 6;
 
 /// Sweeps after every second point that is not reached.
 const SWEEPS: u32 = 200;

@@ -1,19 +1,18 @@
-//! Proximal points in space, where the law is not piecewise linear: Newton's method, its steps shortened where they make things worse,
-//! and followed by sweeps, leads from one to the next.
+//! Proximal points in space, where the law is not piecewise linear: whole steps of Newton's method lead from one to the next.
+//!
+//! A whole step may leave more than before it, since contacts change their statuses on its way; the next steps, for these statuses,
+//! converge quadratically. Steps that are shortened until they leave less stop at the first such change.
 
 use super::newton::Newton;
-use super::points::{PointSolver, Progress};
+use super::points::{FEW, PointSolver, Progress};
 use crate::layout::{Drawn, distance};
 use nalgebra::Vector3;
-
-/// Steps of Newton to a point, at most.
-const STEPS: u32 = 25;
 
 /// Residual of a point over ε times the way to it, at most (–).
 const REACHED: f64 = 0.1;
 
 /// Iterate of Newton's method.
-pub(super) struct Damped {
+pub(super) struct Whole {
     /// √J.
     s: Vec<Vector3<f64>>,
     /// The point before (√J).
@@ -22,22 +21,18 @@ pub(super) struct Damped {
     steps: u32,
 }
 
-impl PointSolver<3, 6> for Damped {
+impl PointSolver<3, 6> for Whole {
     fn begin(_: &Newton<3, 6>, s: &[Vector3<f64>]) -> Self {
         Self { s: s.to_vec(), centre: s.to_vec(), steps: 0 }
     }
 
     fn advance(&mut self, newton: &mut Newton<3, 6>, epsilon: f64) -> Progress {
         let drawn = Drawn { epsilon, centre: Some(&self.centre) };
-        let before = newton.left(drawn, &self.s);
-        let next = newton.shortened(drawn, &self.s, before);
+        let next = newton.step(drawn, &self.s);
         self.steps += 1;
-        let is_last = next.is_none() || self.steps >= STEPS;
-        let mut left = before;
-        if let Some(next) = next {
-            (self.s, left) = next;
-        }
-        let moved = distance(&self.s, &self.centre);
+        let is_last = next.is_none() || self.steps >= FEW;
+        self.s = next.unwrap_or_else(|| self.centre.clone());
+        let (left, moved) = (newton.left(drawn, &self.s), distance(&self.s, &self.centre));
         if left <= REACHED * epsilon * moved || newton.layout.is_round_off(left, &self.s) {
             self.centre.copy_from_slice(&self.s);
             Progress::Reached { steps: std::mem::take(&mut self.steps) }
