@@ -74,7 +74,8 @@ mod store {
 
     pub(crate) use baseline::{Counts, ExpectedFailure, baseline_text, expected_failures, read_baseline};
     pub(crate) use folder::{
-        about, draw, finish, has_tables, open, records_of, runs_folder, studies_in, tables_of,
+        about, draw, finish, has_tables, open, records_of, runs_folder, studies_in, tables_as_written,
+        tables_of,
     };
     pub(crate) use stored::{is_id, problem_of_run, stored, stored_run};
 }

@@ -1,17 +1,18 @@
 //! The folder of a study: opened, gone on with, its tables and report written.
 
-use crate::plan::{Plan, method_names};
+use crate::plan::{Method, Plan, method_names};
 use crate::root::Root;
 use crate::run::Task;
 use crate::study::{Kind, Selection, by_id, missing};
 use crate::terminal::{exit, say};
 use anyhow::{Context, Result, anyhow, ensure};
+use lineup::Settings;
 use reports::{About, Formats, Wanted, made};
 use results::error::StoreError;
 use results::journal::Entry;
 use results::schema::Provenance;
 use results::store::Store;
-use results::study::{Study as Rows, TABLES};
+use results::study::{Runs, Study as Rows, TABLES};
 use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -58,8 +59,29 @@ fn note_unsealed(folder: &Path, unsealed: usize) {
 
 const UNSEALED: &str = "damage to them would go unnoticed";
 
-/// Returns the tables of a study; says which of them have no checksum.
+/// Returns the tables of a study, in which a setting that came after a row was made has its default: so rows of two versions are of
+/// one method.
 pub(crate) fn tables_of(folder: &Path) -> Result<Rows> {
+    let mut rows = tables_as_written(folder)?;
+    let complete = |method: &str, settings: &mut Settings| {
+        // One that the method lacks by now is shown as it is.
+        if let Ok(method) = Method::new(method, settings.clone()) {
+            *settings = method.settings;
+        }
+    };
+    match &mut rows {
+        Rows::Runs(Runs { records, .. }) => {
+            records.iter_mut().for_each(|one| complete(&one.run.method, &mut one.run.settings));
+        }
+        Rows::Simulations(all) => {
+            all.iter_mut().for_each(|one| complete(&one.simulation.method, &mut one.simulation.settings));
+        }
+    }
+    Ok(rows)
+}
+
+/// Returns the tables of a study; says which of them have no checksum.
+pub(crate) fn tables_as_written(folder: &Path) -> Result<Rows> {
     let (rows, unsealed) = results::store::read(folder)?;
     if !unsealed.is_empty() {
         let names: Vec<_> =

@@ -1,7 +1,7 @@
 //! Archived rows renewed by those of a later study.
 
 use super::{Row, counted};
-use crate::store::tables_of;
+use crate::store::tables_as_written;
 use crate::terminal::say;
 use anyhow::{Result, bail, ensure};
 use results::journal::Entry;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// Puts the rows of a study in the place of those of the same method, variant and problem in a folder of archived tables, and new
 /// ones behind them.
 pub(super) fn renew(archived: &Path, study: &Path) -> Result<()> {
-    let (old, new) = (tables_of(archived)?, tables_of(study)?);
+    let (old, new) = (tables_as_written(archived)?, tables_as_written(study)?);
     let (before, of_study) = (counted(&old), counted(&new));
     let plan = |rows: &Rows| Row::all(rows).first().map_or_else(String::new, |row| row.plan.to_owned());
     let (of_archive, of_new) = (plan(&old), plan(&new));
