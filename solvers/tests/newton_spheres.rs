@@ -206,7 +206,7 @@ fn packing_at_rest_comes_nearer_than_sweeps() {
     let stop = Stop { tolerance: 0.0, max_iterations: 5000, ..Stop::default() };
     let swept = solve(&Nsgs::default(), &problem, &none, &stop, &mut |_| {}).unwrap();
     assert!(left(&r) < 0.1 * left(&swept.impulses), "{:e} {:e}", left(&r), left(&swept.impulses));
-    assert!(left(&r) < 1e-7, "{:e}", left(&r));
+    assert!(left(&r) < 1e-10, "{:e}", left(&r));
     assert!(
         r.chunks_exact(3)
             .zip(problem.contacts())

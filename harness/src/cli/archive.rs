@@ -41,7 +41,7 @@ pub(crate) struct Args {
 enum Command {
     /// Check the checksums of a packed study, or of archived tables, and make a share of the runs again, to the same counts
     Check(Check),
-    /// Replace archived rows by those of a study: of the same method, variant and problem; new ones are added
+    /// Replace archived rows by those of a study: of the same method, variant, problem and tolerance; new ones are added
     Renew {
         /// The folder of archived tables, such as results/archive/PLAN
         #[arg(value_name = "ARCHIVED")]

@@ -4,13 +4,13 @@ use super::{Row, counted};
 use crate::store::tables_as_written;
 use crate::terminal::say;
 use anyhow::{Result, bail, ensure};
-use results::journal::Entry;
+use results::journal::{Entry, Record};
 use results::store::write_tables;
 use results::study::{Runs, Study as Rows};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
-/// Puts the rows of a study in the place of those of the same method, variant and problem in a folder of archived tables, and new
+/// Puts the rows of a study in the place of those of the same method, variant, problem and tolerance in a folder of archived tables, and new
 /// ones behind them.
 pub(super) fn renew(archived: &Path, study: &Path) -> Result<()> {
     let (old, new) = (tables_as_written(archived)?, tables_as_written(study)?);
@@ -31,9 +31,12 @@ pub(super) fn renew(archived: &Path, study: &Path) -> Result<()> {
             contacts.retain(|row| !problems.contains(&row.problem));
             grains.extend(new.grains);
             contacts.extend(new.contacts);
-            Rows::Runs(Runs { records: joined(old.records, new.records)?, grains, contacts })
+            let ends = |one: &Record| one.run.tolerance;
+            Rows::Runs(Runs { records: joined(old.records, new.records, ends)?, grains, contacts })
         }
-        (Rows::Simulations(old), Rows::Simulations(new)) => Rows::Simulations(joined(old, new)?),
+        (Rows::Simulations(old), Rows::Simulations(new)) => {
+            Rows::Simulations(joined(old, new, |one| one.simulation.tolerance)?)
+        }
         _ => bail!("one of the two holds runs, the other simulations"),
     };
     check_hashes(&Row::all(&rows))?;
@@ -41,16 +44,17 @@ pub(super) fn renew(archived: &Path, study: &Path) -> Result<()> {
     say(format_args!("{}: {before}, renewed by {of_study}: {} now", archived.display(), counted(&rows)))
 }
 
-/// Returns the rows `old`, each replaced by the one in `new` of its name if there is one, and then the others of `new`.
-fn joined<R: Entry>(mut old: Vec<R>, new: Vec<R>) -> Result<Vec<R>> {
+/// Returns the rows `old`, each replaced by the one in `new` of its name and tolerance if there is one, and then the others of `new`.
+fn joined<R: Entry>(mut old: Vec<R>, new: Vec<R>, tolerance: impl Fn(&R) -> f64) -> Result<Vec<R>> {
+    let name = |row: &R| format!("{} to {:e}", row.name(), tolerance(row));
     let mut places = HashMap::new();
     for (place, row) in old.iter().enumerate() {
-        ensure!(places.insert(row.name(), place).is_none(), "two archived rows are of {}", row.name());
+        ensure!(places.insert(name(row), place).is_none(), "two archived rows are of {}", name(row));
     }
     let mut seen = HashSet::new();
     for row in new {
-        ensure!(seen.insert(row.name()), "two rows of the study are of {}", row.name());
-        match places.get(&row.name()) {
+        ensure!(seen.insert(name(&row)), "two rows of the study are of {}", name(&row));
+        match places.get(&name(&row)) {
             Some(place) => old[*place] = row,
             None => old.push(row),
         }
