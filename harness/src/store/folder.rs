@@ -71,10 +71,14 @@ pub(crate) fn tables_of(folder: &Path) -> Result<Rows> {
     };
     match &mut rows {
         Rows::Runs(Runs { records, .. }) => {
-            records.iter_mut().for_each(|one| complete(&one.run.method, &mut one.run.settings));
+            for one in records {
+                complete(&one.run.method, &mut one.run.settings);
+            }
         }
         Rows::Simulations(all) => {
-            all.iter_mut().for_each(|one| complete(&one.simulation.method, &mut one.simulation.settings));
+            for one in all {
+                complete(&one.simulation.method, &mut one.simulation.settings);
+            }
         }
     }
     Ok(rows)
