@@ -26,7 +26,7 @@ pub(crate) struct Bodies<'s, P> {
     driven: Vec<DrivenSegment<'s, P>>,
 }
 
-/// Function that is called with a contact, and with the motion of its body.
+/// Visitor of contacts, each with the motion of its body.
 pub(crate) type Visit<'v, P> = dyn FnMut(&DetectedContact<P>, &WallMotion<P>) + 'v;
 
 impl<'s, P: Place> Bodies<'s, P> {

@@ -97,17 +97,12 @@ where
         self.columns.iter().zip(&self.offset).map(|(column, c)| column.relative(&y) + c).collect()
     }
 
-    /// Sweeps of non-linear Gauss-Seidel, with v + ε (s − centre) in the place of v:
-    ///
-    /// s⁺ of the law at a contact where v = `v_others` + (1 + ε) s, which is that of s − v/(1 + ε)
-    pub(crate) fn sweep(&self, drawn: Drawn<D>, s: &mut [SVector<f64, D>], sweeps: u32) {
+    /// Makes sweeps of non-linear Gauss-Seidel.
+    pub(crate) fn sweep(&self, s: &mut [SVector<f64, D>], sweeps: u32) {
         let mut y = self.pushed(self.free.clone(), s);
-        let relaxation = (1.0 + drawn.epsilon).recip();
         for _ in 0..sweeps {
             for (k, (column, c)) in self.columns.iter().zip(&self.offset).enumerate() {
-                let by =
-                    drawn.centre.map_or_else(SVector::zeros, |centre| drawn.epsilon * (s[k] - centre[k]));
-                let change = column.change(s[k], column.relative(&y) + c + by, relaxation);
+                let change = column.change(s[k], column.relative(&y) + c, 1.0);
                 s[k] += change;
                 column.push(change, &mut y);
             }
@@ -146,9 +141,6 @@ pub(crate) struct Drawn<'a, const D: usize> {
 }
 
 impl<const D: usize> Drawn<'_, D> {
-    /// No proximal term.
-    pub(crate) const NONE: Self = Self { epsilon: 0.0, centre: None };
-
     /// v + ε (s − centre) (√J).
     pub(crate) fn velocity<const N: usize>(
         &self,

@@ -145,10 +145,10 @@ where
         s.iter().all(|s| s.iter().all(|x| x.is_finite())).then_some(s)
     }
 
-    /// Sweeps over the contacts.
-    pub(super) fn sweep(&mut self, drawn: Drawn<D>, s: &mut [SVector<f64, D>], sweeps: u32) {
+    /// Makes sweeps over the contacts.
+    pub(super) fn sweep(&mut self, s: &mut [SVector<f64, D>], sweeps: u32) {
         self.sweeps += u64::from(sweeps);
-        self.layout.sweep(drawn, s, sweeps);
+        self.layout.sweep(s, sweeps);
     }
 
     /// Returns the residual of s in the law, with v + ε (s − centre) in the place of v (√J).

@@ -9,7 +9,6 @@
 
 use super::newton::Newton;
 use crate::Best;
-use crate::layout::Drawn;
 use contact::{Frictional, Rough};
 use nalgebra::SVector;
 
@@ -105,7 +104,7 @@ where
                 self.missed += 1;
                 if self.missed.is_multiple_of(2) {
                     let mut s = newton.layout.admitted(self.solver.s());
-                    newton.sweep(Drawn::NONE, &mut s, SWEEPS);
+                    newton.sweep(&mut s, SWEEPS);
                     self.solver = P::begin(newton, &s);
                 } else {
                     self.epsilon *= FACTOR;

@@ -1,7 +1,7 @@
 //! Proximal points in space, where the law is not piecewise linear: whole steps of Newton's method lead from one to the next.
 //!
-//! A whole step may leave more than before it, since contacts change their statuses on its way; the next steps, for these statuses,
-//! converge quadratically. Steps that are shortened until they leave less stop at the first such change.
+//! A whole step may raise the residual, since contacts change their statuses on its way; with the new statuses the next steps usually
+//! converge quadratically. A step that is shortened until the residual falls often ends at the first such change.
 
 use super::newton::Newton;
 use super::points::{FEW, PointSolver, Progress};
