@@ -1,4 +1,5 @@
-//! `gravel archive`: a study in one file with all that makes it again; and the check of such a file, or of archived rows.
+//! `gravel archive`: a study in one file with all that makes it again; the check of such a file, or of archived rows; and the renewal of
+//! some of these.
 
 mod check;
 mod pack;

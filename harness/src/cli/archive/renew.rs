@@ -62,14 +62,14 @@ fn joined<R: Entry>(mut old: Vec<R>, new: Vec<R>, tolerance: impl Fn(&R) -> f64)
     Ok(old)
 }
 
-/// Refuses rows that name one problem and are of two: methods are compared on one.
+/// Refuses rows that name one problem and are of two: methods are compared on the same problem.
 fn check_hashes(rows: &[Row]) -> Result<()> {
     let mut hashes = BTreeMap::new();
     for row in rows {
         let known = *hashes.entry(row.name).or_insert(row.hash);
         ensure!(
             known == row.hash,
-            "{} is another problem in the study, of hash {}, than in other rows of the archive, {known}: the study needs all of its methods",
+            "{}: some rows are of another problem than the rest, by their hashes {known} and {}: make the rows of all of its methods again",
             row.name,
             row.hash
         );
