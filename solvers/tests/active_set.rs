@@ -4,11 +4,13 @@ use crate::friction::{rough, with_friction};
 use crate::problems::{PACKINGS, first_problem, frozen, impulses, start};
 use active_set::{ActiveSet, Start};
 use analysis::Meter;
+use cases::Frozen;
 use contact::acceleration::Acceleration;
-use contact::{Iteration, Measure, Packing, RoughDiscs, Solver};
+use contact::{Iteration, Measure, Mechanics, Packing, RoughDiscs, RoughSpheres, Solver};
 use nsgs::Nsgs;
 use reference::{InteriorPoint, certify};
 use runner::{Stop, solve};
+use std::path::Path;
 
 const STARTS: [Start; 4] = [Start::Cg, Start::Sweeps, Start::ColdSet, Start::InteriorPoint];
 
@@ -187,10 +189,31 @@ fn where_conjugate_gradients_stall_it_ends_certified() {
 #[test]
 fn starts_that_a_mechanics_lacks_are_refused() {
     let frictional = rough("rough-250").problem;
-    for begin in [Start::Cg, Start::InteriorPoint] {
-        let refused =
-            Solver::start(&method(begin), &frictional, &vec![0.0; frictional.impulse_count()]).err();
-        let refused = refused.unwrap().to_string();
-        assert!(refused.contains("its interior point are for problems without friction"), "{refused}");
+    let refused =
+        Solver::start(&method(Start::Cg), &frictional, &vec![0.0; frictional.impulse_count()]).err();
+    let refused = refused.unwrap().to_string();
+    assert!(refused.contains("cg is for problems without friction"), "{refused}");
+}
+
+/// From r = 0, at rest, where first-order methods and proximal points must choose load paths one after the other.
+#[test]
+fn an_interior_point_on_coulombs_law_comes_near_packings_at_rest() {
+    fn comes_near<M: Mechanics>(id: &str)
+    where
+        ActiveSet: Solver<M>,
+    {
+        let path = format!("{}/../../cases/collection/problems/{id}.json.gz", env!("CARGO_MANIFEST_DIR"));
+        let problem = Frozen::<M>::read(Path::new(&path)).unwrap().problem;
+        let r0 = vec![0.0; problem.impulse_count()];
+        let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 100 };
+        let outcome = solve(&method(Start::InteriorPoint), &problem, &r0, &stop, &mut |_| {}).unwrap();
+        let (left, factors) = (outcome.measures.natural_map, outcome.work.factorisations);
+        assert!(left <= 1e-6 && factors < 100, "{id}: {left:e} after {factors} factorisations");
+    }
+    for id in ["c0369210d81b5539", "41efad57949d3b5d", "7013599b0c791755"] {
+        comes_near::<RoughDiscs>(id);
+    }
+    for id in ["c06f22eb4f93e389", "1cbba430b536aa60"] {
+        comes_near::<RoughSpheres>(id);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::friction::rough;
 use crate::spheres::{in_step, marched_to, sphere_problem_of};
-use active_set::Convex;
+use active_set::Conic;
 use analysis::Meter;
 use cg::{Cg, Preconditioner};
 use contact::acceleration::Acceleration;
@@ -99,7 +99,7 @@ fn relaxation_of_a_layer_in_space_is_that_of_the_plane() {
     let driven = rough("rough-991-onset-unconverged").problem;
     assert_eq!([existence(&driven), existence(&embedded(&driven))], [Some(Existence::Moving); 2]);
     let [mut in_plane, mut in_space] = [vec![0.0; flat.impulse_count()], vec![0.0; laid.impulse_count()]];
-    let (mut one, mut other) = (Convex::new(&flat).unwrap(), Convex::new(&laid).unwrap());
+    let (mut one, mut other) = (Conic::relaxation(&flat).unwrap(), Conic::relaxation(&laid).unwrap());
     assert!(one.advance() && other.advance());
     one.impulses(&mut in_plane);
     other.impulses(&mut in_space);

@@ -3,8 +3,9 @@
 //! Nothing is minimised, and no method is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
 //! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
-//! Where sweeps stall, proximal points follow from the best impulses; where these stall too, that is the floor, and the end. Where
-//! factors do not fit in memory, sweeps are the only stage.
+//! Where sweeps stall, proximal points follow from the best impulses. An interior point, which begins far away and comes near at rest,
+//! has its turn once they have taken the time that it takes; points resume from what it finds, if that is nearer. Where these stall
+//! too, that is the floor, and the end. Where factors do not fit in memory, sweeps are the only stage.
 
 mod exact;
 mod matrix;
@@ -13,7 +14,8 @@ mod path;
 mod points;
 mod whole;
 
-use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, Start, accelerated};
+use crate::conic::Conic;
+use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, STEPS, Start, accelerated};
 use crate::{ActiveSet, Best};
 use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
 use exact::Exact;
@@ -25,6 +27,9 @@ use whole::Whole;
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
 
+/// Steps towards proximal points after which an interior point has its turn: they take as long as its own.
+const TURN: u32 = STEPS as u32;
+
 /// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
 const ROUND_OFF: f64 = 1e-12;
 
@@ -33,6 +38,8 @@ const ROUND_OFF: f64 = 1e-12;
 enum Phase {
     /// Accelerated sweeps.
     Sweeps,
+    /// An interior point.
+    Interior,
     /// Proximal points.
     Proximal,
     /// Newton's method.
@@ -53,8 +60,13 @@ where
     /// Residual of the sweeps when it was last halved (√J), and after how many of them.
     halved: (f64, u64),
     newton: Newton<D, N>,
+    problem: &'p Packing<Rough<D>>,
+    /// Interior point on Coulomb's law, once it has begun.
+    interior: Option<Conic<D, N>>,
     /// Proximal points, once sweeps have stalled.
     points: Option<Points<P, D, N>>,
+    /// Steps towards them.
+    approached: u32,
     phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,
@@ -90,6 +102,32 @@ where
         }
     }
 
+    /// An interior point on the law itself.
+    fn begin_interior(&mut self) -> Result<(), SetupError> {
+        self.interior = Some(Conic::coulomb(self.problem)?);
+        self.phase = Phase::Interior;
+        Ok(())
+    }
+
+    /// One step of the interior point, from the end of which points follow, or sweeps, if there were none.
+    fn interior(&mut self) {
+        let Some(interior) = &mut self.interior else { return };
+        if interior.step() {
+            return;
+        }
+        let mut r = vec![0.0; self.best.impulses.len()];
+        interior.impulses(&mut r);
+        let left = self.newton.left_by(&r);
+        let is_nearer = self.best.take(left, |best| best.copy_from_slice(&r));
+        if self.points.is_none() {
+            if is_nearer { self.try_newton() } else { self.phase = Phase::Sweeps }
+        } else if is_nearer {
+            self.begin_points();
+        } else {
+            self.phase = Phase::Proximal;
+        }
+    }
+
     /// Reports whether sweeps have had the time of a factor since the last try of Newton's method, if that is longer than they may stall.
     fn is_due(&mut self) -> bool {
         let due = self.due.unwrap_or_else(|| self.wait());
@@ -114,7 +152,13 @@ where
     fn proximal(&mut self) {
         let Some(points) = &mut self.points else { return };
         match points.advance(&mut self.newton, &mut self.best, ROUND_OFF * self.scale) {
-            Approach::On => {}
+            Approach::On => {
+                self.approached += 1;
+                // Where it does not fit in memory, points go on.
+                if self.interior.is_none() && self.approached == TURN {
+                    self.begin_interior().unwrap_or_default();
+                }
+            }
             Approach::Nearly => self.try_newton(),
             Approach::InVain => self.phase = Phase::Ended,
         }
@@ -152,6 +196,7 @@ where
     fn advance(&mut self) {
         match self.phase {
             Phase::Sweeps => self.sweep(),
+            Phase::Interior => self.interior(),
             Phase::Proximal => self.proximal(),
             Phase::Newton => self.newton_step(),
             Phase::Ended => {}
@@ -159,8 +204,9 @@ where
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        match self.phase {
-            Phase::Sweeps => self.sweeps.impulses(r),
+        match (self.phase, &self.interior) {
+            (Phase::Sweeps, _) => self.sweeps.impulses(r),
+            (Phase::Interior, Some(interior)) if self.points.is_none() => interior.impulses(r),
             _ => r.copy_from_slice(&self.best.impulses),
         }
     }
@@ -172,6 +218,7 @@ where
     fn work(&self) -> Work {
         let mut work = self.sweeps.work();
         work += self.newton.work();
+        self.interior.iter().for_each(|interior| work += interior.work());
         work
     }
 }
@@ -187,11 +234,8 @@ impl ActiveSet {
         Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
     {
         let accuracy = self.accuracy(ACCURACY_OF_DEARER)?;
-        let expected = "sweeps or cold-set: cg and its interior point are for problems without friction";
-        for (start, name) in [(Start::Cg, "cg"), (Start::InteriorPoint, "interior-point")] {
-            SetupError::unless(self.start != Some(start), "start", name, expected)?;
-        }
-        let at_once = self.start == Some(Start::ColdSet);
+        let expected = "sweeps, interior-point or cold-set: cg is for problems without friction";
+        SetupError::unless(self.start != Some(Start::Cg), "start", "cg", expected)?;
         let (newton, scale) = (Newton::new(problem), problem.scale().sqrt());
         let left = newton.left_by(r0);
         let mut run: Run<P, D, N> = Run {
@@ -200,15 +244,22 @@ impl ActiveSet {
             due: None,
             halved: (f64::INFINITY, 0),
             newton,
+            problem,
+            interior: None,
             points: None,
+            approached: 0,
             phase: Phase::Sweeps,
             rung: accuracy * scale,
             scale,
             best: Best { left, impulses: r0.to_vec() },
         };
-        if at_once {
-            run.newton.prepare()?;
-            run.try_newton();
+        match self.start {
+            Some(Start::ColdSet) => {
+                run.newton.prepare()?;
+                run.try_newton();
+            }
+            Some(Start::InteriorPoint) => run.begin_interior()?,
+            _ => {}
         }
         Ok(Box::new(run))
     }

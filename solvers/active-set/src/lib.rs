@@ -10,7 +10,7 @@
 //! stick and slide takes the place of the set, and proximal points that of the interior point (`frictional.rs`).
 
 mod cone;
-mod convex;
+mod conic;
 mod frictional;
 mod frictionless;
 mod inner;
@@ -20,7 +20,7 @@ mod scaled;
 mod set;
 mod start;
 
-pub use convex::Convex;
+pub use conic::Conic;
 pub use frictionless::Run;
 pub use inner::{Inner, PENALTY, Whole};
 pub use set::Set;

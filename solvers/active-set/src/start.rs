@@ -18,7 +18,7 @@ pub enum Start {
     Sweeps,
     /// By the law from the start impulses: without any, the contacts that approach.
     ColdSet,
-    /// By an interior point; for problems without friction.
+    /// By an interior point.
     InteriorPoint,
 }
 

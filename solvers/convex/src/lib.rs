@@ -10,7 +10,7 @@
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
-use active_set::{ActiveSet, Convex as Programmes};
+use active_set::{ActiveSet, Conic};
 use contact::{Frictional, Iteration, Packing, Rough, SetupError, Smooth, Solver, Work};
 use nalgebra::SVector;
 use schemars::JsonSchema;
@@ -38,7 +38,7 @@ struct Run<const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
-    programmes: Programmes<D, N>,
+    programmes: Conic<D, N>,
     fixed_point: bool,
     /// N·s.
     r: Vec<f64>,
@@ -102,7 +102,7 @@ where
         problem: &'p Packing<Rough<D>>,
         r0: &[f64],
     ) -> Result<Box<dyn Iteration + 'p>, SetupError> {
-        let (programmes, fixed_point) = (Programmes::new(problem)?, self.fixed_point);
+        let (programmes, fixed_point) = (Conic::relaxation(problem)?, self.fixed_point);
         let (r, before, quartered) = (r0.to_vec(), r0.to_vec(), (f64::INFINITY, 0));
         Ok(Box::new(Run { programmes, fixed_point, r, before, quartered, has_ended: false }))
     }

@@ -5,7 +5,7 @@
 //! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175.
 
-use active_set::Convex;
+use active_set::Conic;
 use contact::{Frictional, Mechanics, Packing, Rough, Touch, greatest, law};
 use nalgebra::SVector;
 
@@ -40,7 +40,7 @@ where
     }
     let approach = problem.b().into_iter().step_by(D).map(|b| law::non_negative(-b));
     let margin = MARGIN * greatest(approach);
-    let mut convex = Convex::new(problem).ok()?;
+    let mut convex = Conic::relaxation(problem).ok()?;
     convex.ask_for(margin);
     convex.advance();
     let mut r = vec![0.0; problem.impulse_count()];

@@ -1,0 +1,360 @@
+//! Interior point over the cones of all contacts, in the velocities of grains: with σ of each contact,
+//!
+//! (μ `r_n`, `r_t`) ∈ C,   ((`v_n` + σ)/μ, `v_t`) ∈ C,   their product 0,   C = {x₀ ≥ |x₁|}
+//!
+//! is a convex programme where σ is frozen, and Coulomb's law where σ = μ|`v_t|`.
+//!
+//! The fixed point over programmes, each with the σ of the one before, ends at the law where σ stays. Nothing moves along its tangent in
+//! a packing at rest: there σ = 0, the relaxation, is nearly the law.
+//!
+//! For the law itself σ follows the velocities, smoothed: σ = μ|`v_t`|²/√(|`v_t`|² + δ²), where δ² is the mean product of both sides. It
+//! begins as the relaxation, since δ is large, and ends as the law, since what slides is faster than δ by then; what sticks is
+//! slower, and its round-off no σ. Newton's matrix holds the slope of σ and is not symmetric. The law is not monotone: nothing
+//! is promised, and where walls move it often ends far away.
+//!
+//! V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via convex
+//! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175; S. Mehrotra, On the implementation of a primal-dual interior point method,
+//! SIAM J. Optim. 2 (1992) 575-601.
+
+use crate::cone::{Scaling, product, quotient, reach};
+use crate::inner::ordered;
+use crate::interior::{FROM, MOST_STEPS, NO_WAY, SHORT_OF_IT};
+use crate::layout::Layout;
+use cholesky::{Coupling, Factor, Lu, OneWay, Structure};
+use contact::law::tangential;
+use contact::status::unit;
+use contact::{Cone, Frictional, Mechanics, Packing, Rough, SetupError, Visited, Work};
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
+
+/// Factors of Newton's matrix.
+enum Factors<const N: usize> {
+    /// With σ frozen.
+    Symmetric(Option<Factor<N>>),
+    /// With a σ that follows the velocities.
+    General(Lu<N>),
+}
+
+/// The cones with some σ, and the interior point's iterate: x = T⁻¹ s and z in the place of T (v + σ n) in the cones of all contacts,
+/// with T = diag(1/μ, 1, …) and, where there is no friction, diag(1, 0, …). Grains are in the order of the factor.
+pub struct Conic<const D: usize, const N: usize>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    structure: Arc<Structure<N>>,
+    factors: Factors<N>,
+    layout: Layout<D, N>,
+    /// Diagonal of each T (–).
+    shape: Vec<SVector<f64, D>>,
+    /// σ/√`w_n` (√J).
+    sigma: Vec<f64>,
+    /// Slope of σ in v: 0 where it is frozen (–).
+    slope: Vec<SVector<f64, D>>,
+    /// δ (√J).
+    delta: f64,
+    /// √J.
+    x: Vec<SVector<f64, D>>,
+    z: Vec<SVector<f64, D>>,
+    /// v of the impulses (√J).
+    v: Vec<SVector<f64, D>>,
+    /// T (v + σ n) − z (√J).
+    apart: Vec<SVector<f64, D>>,
+    steps: u32,
+    /// The least residual (√J), its x, and after how many steps.
+    best: (f64, Vec<SVector<f64, D>>, u32),
+    /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
+    scale: f64,
+    work: Work,
+}
+
+/// Steps that leave no less than one before, after which round-off leads nowhere.
+const PATIENCE: u32 = 8;
+
+/// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
+/// contacts depend on each other round-off ends it between the two.
+const NEAR: f64 = 1e-13;
+const NEARLY: f64 = 1e-3;
+
+/// Direction of x and z, and of v.
+struct Direction<const D: usize> {
+    x: Vec<SVector<f64, D>>,
+    z: Vec<SVector<f64, D>>,
+    v: Vec<SVector<f64, D>>,
+}
+
+/// Returns the σ of a contact that slides with `speed`, smoothed over δ (√J).
+fn smoothed(friction: f64, speed: f64, delta: f64) -> f64 {
+    if speed > 0.0 { friction * speed * (speed / speed.hypot(delta)) } else { 0.0 }
+}
+
+/// Returns the slope of [`smoothed`] in v (–).
+fn slope_of<const D: usize>(friction: f64, v: SVector<f64, D>, delta: f64) -> SVector<f64, D> {
+    let (along, speed) = tangential(v);
+    let root = speed.hypot(delta);
+    if root > 0.0 { along * (friction / root * (1.0 + (delta / root).powi(2))) } else { along }
+}
+
+impl<const D: usize, const N: usize> Conic<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// Lays the problem out, for σ = 0, the relaxation.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub fn relaxation(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
+        Self::new(problem, |_| Ok(Factors::Symmetric(None)))
+    }
+
+    /// Lays the problem out, for Coulomb's own law.
+    ///
+    /// # Errors
+    /// Where it is too large for that.
+    pub fn coulomb(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
+        Self::new(problem, |structure| Lu::new(Arc::clone(structure)).map(Factors::General))
+    }
+
+    fn new(
+        problem: &Packing<Rough<D>>,
+        factors: impl Fn(&Arc<Structure<N>>) -> Result<Factors<N>, SetupError>,
+    ) -> Result<Self, SetupError> {
+        let (ends, order) = ordered(problem)?;
+        let structure = Structure::new(&ends, &order)?;
+        let layout = Layout::placed(problem, |grain| structure.position()[grain as usize]);
+        let shape = |friction: f64| {
+            let mut shape = SVector::repeat(if friction > 0.0 { 1.0 } else { 0.0 });
+            shape[0] = if friction > 0.0 { friction.recip() } else { 1.0 };
+            shape
+        };
+        let contacts = layout.columns.len();
+        let mut conic = Self {
+            shape: layout.columns.iter().map(|column| shape(column.friction())).collect(),
+            sigma: vec![0.0; contacts],
+            slope: vec![SVector::zeros(); contacts],
+            delta: 0.0,
+            x: vec![SVector::zeros(); contacts],
+            z: vec![SVector::zeros(); contacts],
+            v: Vec::new(),
+            apart: Vec::new(),
+            steps: 0,
+            best: (f64::INFINITY, Vec::new(), 0),
+            scale: problem.scale().sqrt(),
+            factors: factors(&structure)?,
+            work: Work::default(),
+            structure,
+            layout,
+        };
+        conic.begin();
+        Ok(conic)
+    }
+
+    /// Begins away from all bounds.
+    fn begin(&mut self) {
+        let away = FROM * self.scale / (self.x.len().max(1) as f64).sqrt();
+        self.x = self.shape.iter().map(|shape| unit(0) * (away / shape[0])).collect();
+        // With z = 0.
+        self.z.fill(SVector::zeros());
+        self.delta = away;
+        self.measure();
+        for (z, apart) in self.z.iter_mut().zip(&mut self.apart) {
+            *z = *apart;
+            z[0] = z[0].max(tangential(*z).1 + away);
+            *apart -= *z;
+        }
+        (self.steps, self.best) = (0, (self.left(), self.x.clone(), 0));
+    }
+
+    /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
+    pub fn ask_for(&mut self, margin: f64) {
+        for (sigma, unit) in self.sigma.iter_mut().zip(&self.layout.unit) {
+            *sigma = -margin / unit[0];
+        }
+    }
+
+    /// s = T x (√J).
+    fn impulse(&self) -> Vec<SVector<f64, D>> {
+        self.x.iter().zip(&self.shape).map(|(x, shape)| x.component_mul(shape)).collect()
+    }
+
+    /// Measures v and σ of the impulses, and how far z is from T (v + σ n).
+    fn measure(&mut self) {
+        self.work.delassus_products += 1;
+        self.v = self.layout.velocity(&self.impulse());
+        if let Factors::General(_) = self.factors {
+            let contacts = self.v.iter().zip(&self.layout.columns);
+            for ((v, column), (sigma, slope)) in contacts.zip(self.sigma.iter_mut().zip(&mut self.slope)) {
+                *sigma = smoothed(column.friction(), tangential(*v).1, self.delta);
+                *slope = slope_of(column.friction(), *v, self.delta);
+            }
+        }
+        self.apart.clone_from(&self.v);
+        let contacts = self.sigma.iter().zip(&self.shape).zip(&self.z);
+        for (apart, ((sigma, shape), z)) in self.apart.iter_mut().zip(contacts) {
+            apart[0] += sigma;
+            apart.component_mul_assign(shape);
+            *apart -= z;
+        }
+    }
+
+    /// √(Σ x · z + |T (v + σ n) − z|²): the residual (√J).
+    fn left(&self) -> f64 {
+        let products = self.x.iter().zip(&self.z).map(|(x, z)| x.dot(z));
+        products.zip(&self.apart).map(|(product, apart)| product + apart.norm_squared()).sum::<f64>().sqrt()
+    }
+
+    /// One step, with one factorisation of 1 + Σ H̃ T W² T G H̃ᵗ and two solves, where G = 1 + n ∂σ/∂v: towards x ∘ z = 0, and then
+    /// towards what the way there allows. `false` if there is no way on, or no need: then the iterate is the best so far.
+    pub fn step(&mut self) -> bool {
+        self.steps += 1;
+        let goes_on = self.best.0 > NEAR * self.scale && self.steps <= MOST_STEPS && self.advance_by_newton();
+        let left = if goes_on { self.left() } else { f64::INFINITY };
+        if left < self.best.0 {
+            self.best = (left, self.x.clone(), self.steps);
+        }
+        let goes_on = goes_on && self.steps < self.best.2 + PATIENCE;
+        if !goes_on {
+            self.x.clone_from(&self.best.1);
+        }
+        goes_on
+    }
+
+    fn advance_by_newton(&mut self) -> bool {
+        let scaling: Vec<_> = self.x.iter().zip(&self.z).map(|(x, z)| Scaling::new(x, z)).collect();
+        let square: Vec<_> = scaling.iter().map(Scaling::square).collect();
+        if !self.factorise(&square) {
+            return false;
+        }
+        let mut way = self.towards(&square, &self.x.iter().map(|x| -x).collect::<Vec<_>>());
+        let lengths = self.reach(&way).map(|reach| reach.min(1.0));
+        let mean = self.mean(&way, [0.0; 2]);
+        let centring = (self.mean(&way, lengths) / mean).clamp(0.0, 1.0).powi(3);
+        let goal = |k: usize| {
+            let (scaling, lambda) = (&scaling[k], scaling[k].times(&self.z[k]));
+            let mut goal = -product(&lambda, &lambda);
+            goal -= product(&scaling.inverse_times(&way.x[k]), &scaling.times(&way.z[k]));
+            goal[0] += centring * mean;
+            scaling.times(&quotient(&goal, &lambda))
+        };
+        let goals: Vec<_> = (0..self.x.len()).map(goal).collect();
+        if let Factors::General(_) = self.factors {
+            self.curve(&way.v, lengths[0].min(lengths[1]), (centring * mean).sqrt());
+        }
+        way = self.towards(&square, &goals);
+        let [of_x, of_z] = self.reach(&way).map(|reach| (SHORT_OF_IT * reach).min(1.0));
+        if !(of_x.max(of_z) > NO_WAY) {
+            return false;
+        }
+        self.x.iter_mut().zip(&way.x).for_each(|(x, dx)| *x += of_x * dx);
+        self.z.iter_mut().zip(&way.z).for_each(|(z, dz)| *z += of_z * dz);
+        self.delta = self.mean(&way, [0.0; 2]).sqrt();
+        self.measure();
+        true
+    }
+
+    /// Adds to `apart` by how much σ will differ from its slope after a step of so much `along` v, to a mean product of `delta`².
+    fn curve(&mut self, along: &[SVector<f64, D>], share: f64, delta: f64) {
+        for (k, column) in self.layout.columns.iter().enumerate() {
+            let step = share * along[k];
+            let then = smoothed(column.friction(), tangential(self.v[k] + step).1, delta);
+            self.apart[k][0] += self.shape[k][0] * (then - self.sigma[k] - self.slope[k].dot(&step));
+        }
+    }
+
+    fn factorise(&mut self, square: &[SMatrix<f64, D, D>]) -> bool {
+        self.work.factorisations += 1;
+        let Self { layout, shape, structure, factors, slope, work, .. } = self;
+        let pushes = |contact: usize, shape: &SVector<f64, D>| {
+            let pushes: [_; D] = std::array::from_fn(|c| layout.columns[contact].pushes(unit(c) * shape[c]));
+            [0, 1].map(|end| SMatrix::<f64, N, D>::from_columns(&pushes.map(|of| of[end])))
+        };
+        let one = |_| SVector::repeat(1.0);
+        let done = match factors {
+            Factors::Symmetric(factor) => {
+                work.factorisation_multiply_adds += structure.work();
+                let coupling = |contact: usize| {
+                    Some(Coupling::product(pushes(contact, &shape[contact]), square[contact]))
+                };
+                Factor::replace(factor, structure, one, coupling)
+            }
+            Factors::General(factors) => {
+                work.factorisation_multiply_adds += 2 * structure.work();
+                let coupling = |contact: usize| {
+                    let ends = pushes(contact, &SVector::repeat(1.0));
+                    let shape = &shape[contact];
+                    let weights = square[contact].component_mul(&(shape * shape.transpose()));
+                    let weights = weights + weights.column(0) * slope[contact].transpose();
+                    Some(OneWay::product(ends.map(|end| end * weights), ends))
+                };
+                factors.renew(one, coupling).is_ok()
+            }
+        };
+        // Two solves, each with the factor and its transpose.
+        work.triangular_solve_entries += if done { 4 * structure.entries() as u64 } else { 0 };
+        done
+    }
+
+    /// Newton's direction towards dx + W² dz = `goal`:
+    ///
+    /// (1 + Σ H̃ T W² T G H̃ᵗ) dy = Σ H̃ T (goal − W² apart),   dz = T G H̃ᵗ dy + apart,   dx = goal − W² dz
+    fn towards(&self, square: &[SMatrix<f64, D, D>], goal: &[SVector<f64, D>]) -> Direction<D> {
+        let apart = &self.apart;
+        let contacts = || self.layout.columns.iter().zip(&self.shape).enumerate();
+        let mut y = vec![SVector::zeros(); self.layout.free.len()];
+        for (k, (column, shape)) in contacts() {
+            column.push((goal[k] - square[k] * apart[k]).component_mul(shape), &mut y);
+        }
+        match &self.factors {
+            Factors::Symmetric(factor) => factor.iter().for_each(|factor| factor.solve(&mut y)),
+            Factors::General(factors) => factors.solve(&mut y),
+        }
+        let v: Vec<_> = self.layout.columns.iter().map(|column| column.relative(&y)).collect();
+        let of = |(k, (_, shape)): (usize, (&<Rough<D> as Mechanics>::Column, &SVector<f64, D>))| {
+            let mut moved = v[k];
+            moved[0] += self.slope[k].dot(&v[k]);
+            let dz = moved.component_mul(shape) + apart[k];
+            (goal[k] - square[k] * dz, dz)
+        };
+        let (x, z) = contacts().map(of).unzip();
+        Direction { x, z, v }
+    }
+
+    /// Returns the longest steps that keep x and z in their cones.
+    fn reach(&self, way: &Direction<D>) -> [f64; 2] {
+        let least = |x: &[SVector<f64, D>], dx: &[SVector<f64, D>]| {
+            x.iter().zip(dx).map(|(x, dx)| reach(x, dx)).fold(f64::INFINITY, f64::min)
+        };
+        [least(&self.x, &way.x), least(&self.z, &way.z)]
+    }
+
+    /// The mean of x · z after steps of these lengths.
+    fn mean(&self, way: &Direction<D>, [of_x, of_z]: [f64; 2]) -> f64 {
+        let of = |k: usize| (self.x[k] + of_x * way.x[k]).dot(&(self.z[k] + of_z * way.z[k]));
+        (0..self.x.len()).map(of).sum::<f64>() / self.x.len() as f64
+    }
+
+    /// Solves the programme for the present σ; then takes σ = μ|`v_t`|. Returns whether it was solved, or nearly.
+    pub fn advance(&mut self) -> bool {
+        self.begin();
+        while self.step() {}
+        let solved = self.best.0 <= NEARLY * self.scale;
+        for (v, (sigma, column)) in
+            self.layout.velocity(&self.impulse()).iter().zip(self.sigma.iter_mut().zip(&self.layout.columns))
+        {
+            *sigma = column.friction() * tangential(*v).1;
+        }
+        solved
+    }
+
+    /// Work so far.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// Impulses in the problem's order (N·s), within the cones.
+    pub fn impulses(&self, r: &mut [f64]) {
+        self.layout.impulses(&self.impulse(), r);
+    }
+}
+
+#[cfg(test)]
+mod tests;
