@@ -5,6 +5,10 @@ use regex::{Captures, Regex};
 /// Names that are less alike than this are not meant for each other (Jaro and Winkler's similarity, 1 for equal names).
 const ALIKE: f64 = 0.8;
 
+/// Names that an error lists in full, at most; of more, so many.
+const FITS: usize = 80;
+const SHOWN: usize = 8;
+
 /// Names that other codes and papers have for the methods and keys of this one.
 const ALIASES: [(&str, &[&str]); 19] = [
     ("nsgs", &["nlgs", "pgs", "pgs3", "gs", "gauss-seidel", "psor", "sor"]),
@@ -50,10 +54,17 @@ fn means(given: &str, known: &str) -> bool {
     ALIASES.iter().any(|(key, others)| *key == known && others.contains(&given))
 }
 
-/// An error about the unknown name `given`, which `what` describes: the one that was meant, if any, then all the `known` ones.
+/// An error about the unknown name `given`, which `what` describes: the one that was meant, if any, then all the `known` ones, or the
+/// most similar where these would fill a screen.
 pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
-    let list: Vec<&str> = known.clone().into_iter().collect();
-    format!("{what}{} (there are {})", of(given, known), list.join(", "))
+    let mut list: Vec<&str> = known.clone().into_iter().collect();
+    let all = list.len();
+    let how_many = if all > FITS { format!("{all}, such as ") } else { String::new() };
+    if all > FITS {
+        list.sort_by(|a, b| strsim::jaro_winkler(given, b).total_cmp(&strsim::jaro_winkler(given, a)));
+        list.truncate(SHOWN);
+    }
+    format!("{what}{} (there are {how_many}{})", of(given, known), list.join(", "))
 }
 
 /// An error, with the name that was meant where it is one of serde about a name: unknown field `relax`, expected one of

@@ -7,7 +7,8 @@
 //! than equilibrium needs, and chooses among their impulses those nearest to the given ones.
 //!
 //! An iteration is a sweep, a set, or a step of an interior point (`frictionless.rs`). With friction Newton's method on the statuses open,
-//! stick and slide takes the place of the set, and proximal points that of the interior point (`frictional.rs`).
+//! stick and slide takes the place of the set; where sweeps stall, proximal points and an interior point on Coulomb's law lead to where
+//! it ends (`frictional.rs`).
 
 mod cone;
 mod conic;
