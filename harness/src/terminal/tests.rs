@@ -37,7 +37,10 @@ fn name_that_was_meant_stands_before_the_list() {
     assert_eq!(among("no key `x`", "x", known), "no key `x` (there are order, relaxation)");
     let many: Vec<String> = (0..300).map(|k| format!("grains={k}")).collect();
     let text = among("none", "grains=29 *", many.iter().map(String::as_str));
-    assert!(text.starts_with("none; did you mean `grains=29") && text.contains("(there are 300, such as grains=29"));
+    assert!(
+        text.starts_with("none; did you mean `grains=29")
+            && text.contains("(there are 300, such as grains=29")
+    );
     assert!(text.matches("grains=").count() == 9, "{text}");
 }
 
