@@ -198,22 +198,22 @@ fn starts_that_a_mechanics_lacks_are_refused() {
 /// From r = 0, at rest, where first-order methods and proximal points must choose load paths one after the other.
 #[test]
 fn an_interior_point_on_coulombs_law_comes_near_packings_at_rest() {
-    fn comes_near<M: Mechanics>(id: &str)
+    fn comes_near<M: Mechanics>(id: &str, problem: &Packing<M>)
     where
         ActiveSet: Solver<M>,
     {
-        let path = format!("{}/../../cases/collection/problems/{id}.json.gz", env!("CARGO_MANIFEST_DIR"));
-        let problem = Frozen::<M>::read(Path::new(&path)).unwrap().problem;
         let r0 = vec![0.0; problem.impulse_count()];
         let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 100 };
-        let outcome = solve(&method(Start::InteriorPoint), &problem, &r0, &stop, &mut |_| {}).unwrap();
+        let outcome = solve(&method(Start::InteriorPoint), problem, &r0, &stop, &mut |_| {}).unwrap();
         let (left, factors) = (outcome.measures.natural_map, outcome.work.factorisations);
         assert!(left <= 1e-6 && factors < 100, "{id}: {left:e} after {factors} factorisations");
     }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/collection/problems");
+    let path = |id: &str| folder.join(format!("{id}.json.gz"));
     for id in ["c0369210d81b5539", "41efad57949d3b5d", "7013599b0c791755"] {
-        comes_near::<RoughDiscs>(id);
+        comes_near(id, &Frozen::<RoughDiscs>::read(&path(id)).unwrap().problem);
     }
     for id in ["c06f22eb4f93e389", "1cbba430b536aa60"] {
-        comes_near::<RoughSpheres>(id);
+        comes_near(id, &Frozen::<RoughSpheres>::read(&path(id)).unwrap().problem);
     }
 }

@@ -60,14 +60,16 @@ where
     /// T (v + σ n) − z (√J).
     apart: Vec<SVector<f64, D>>,
     steps: u32,
-    /// The least residual (√J), its x, and after how many steps.
-    best: (f64, Vec<SVector<f64, D>>, u32),
+    /// The least residual (√J), and its x.
+    best: (f64, Vec<SVector<f64, D>>),
+    /// Residual when it was last halved (√J), and after how many steps.
+    halved: (f64, u32),
     /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
     scale: f64,
     work: Work,
 }
 
-/// Steps that leave no less than one before, after which round-off leads nowhere.
+/// Steps in which the residual must be halved, or nothing leads on: round-off, or what is no way to a solution.
 const PATIENCE: u32 = 8;
 
 /// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
@@ -137,7 +139,8 @@ where
             v: Vec::new(),
             apart: Vec::new(),
             steps: 0,
-            best: (f64::INFINITY, Vec::new(), 0),
+            best: (f64::INFINITY, Vec::new()),
+            halved: (f64::INFINITY, 0),
             scale: problem.scale().sqrt(),
             factors: factors(&structure)?,
             work: Work::default(),
@@ -161,7 +164,8 @@ where
             z[0] = z[0].max(tangential(*z).1 + away);
             *apart -= *z;
         }
-        (self.steps, self.best) = (0, (self.left(), self.x.clone(), 0));
+        let left = self.left();
+        (self.steps, self.best, self.halved) = (0, (left, self.x.clone()), (left, 0));
     }
 
     /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
@@ -209,9 +213,12 @@ where
         let goes_on = self.best.0 > NEAR * self.scale && self.steps <= MOST_STEPS && self.advance_by_newton();
         let left = if goes_on { self.left() } else { f64::INFINITY };
         if left < self.best.0 {
-            self.best = (left, self.x.clone(), self.steps);
+            self.best = (left, self.x.clone());
         }
-        let goes_on = goes_on && self.steps < self.best.2 + PATIENCE;
+        if left <= 0.5 * self.halved.0 {
+            self.halved = (left, self.steps);
+        }
+        let goes_on = goes_on && self.steps < self.halved.1 + PATIENCE;
         if !goes_on {
             self.x.clone_from(&self.best.1);
         }
@@ -225,7 +232,7 @@ where
             return false;
         }
         let mut way = self.towards(&square, &self.x.iter().map(|x| -x).collect::<Vec<_>>());
-        let lengths = self.reach(&way).map(|reach| reach.min(1.0));
+        let lengths = self.lengths(&way, 1.0);
         let mean = self.mean(&way, [0.0; 2]);
         let centring = (self.mean(&way, lengths) / mean).clamp(0.0, 1.0).powi(3);
         let goal = |k: usize| {
@@ -237,10 +244,10 @@ where
         };
         let goals: Vec<_> = (0..self.x.len()).map(goal).collect();
         if let Factors::General(_) = self.factors {
-            self.curve(&way.v, lengths[0].min(lengths[1]), (centring * mean).sqrt());
+            self.curve(&way.v, lengths[0], (centring * mean).sqrt());
         }
         way = self.towards(&square, &goals);
-        let [of_x, of_z] = self.reach(&way).map(|reach| (SHORT_OF_IT * reach).min(1.0));
+        let [of_x, of_z] = self.lengths(&way, SHORT_OF_IT);
         if !(of_x.max(of_z) > NO_WAY) {
             return false;
         }
@@ -318,12 +325,18 @@ where
         Direction { x, z, v }
     }
 
-    /// Returns the longest steps that keep x and z in their cones.
-    fn reach(&self, way: &Direction<D>) -> [f64; 2] {
+    /// Returns the lengths of the steps of x and of z: a `share` of the way to the boundaries of their cones, at most 1. Where σ follows v,
+    /// and v follows x, both have the same.
+    fn lengths(&self, way: &Direction<D>, share: f64) -> [f64; 2] {
         let least = |x: &[SVector<f64, D>], dx: &[SVector<f64, D>]| {
             x.iter().zip(dx).map(|(x, dx)| reach(x, dx)).fold(f64::INFINITY, f64::min)
         };
-        [least(&self.x, &way.x), least(&self.z, &way.z)]
+        let [of_x, of_z] =
+            [least(&self.x, &way.x), least(&self.z, &way.z)].map(|reach| (share * reach).min(1.0));
+        match self.factors {
+            Factors::Symmetric(_) => [of_x, of_z],
+            Factors::General(_) => [of_x.min(of_z); 2],
+        }
     }
 
     /// The mean of x · z after steps of these lengths.
