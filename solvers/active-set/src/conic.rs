@@ -62,14 +62,14 @@ where
     steps: u32,
     /// The least residual (√J), and its x.
     best: (f64, Vec<SVector<f64, D>>),
-    /// Residual when it was last halved (√J), and after how many steps.
-    halved: (f64, u32),
+    /// Residual at the last progress (√J), and after how many steps.
+    progress: (f64, u32),
     /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
     scale: f64,
     work: Work,
 }
 
-/// Steps in which the residual must be halved, or nothing leads on: round-off, or what is no way to a solution.
+/// Steps without progress, after which nothing leads on: a residual below all before in a convex programme, half of it for the law itself.
 const PATIENCE: u32 = 8;
 
 /// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
@@ -140,7 +140,7 @@ where
             apart: Vec::new(),
             steps: 0,
             best: (f64::INFINITY, Vec::new()),
-            halved: (f64::INFINITY, 0),
+            progress: (f64::INFINITY, 0),
             scale: problem.scale().sqrt(),
             factors: factors(&structure)?,
             work: Work::default(),
@@ -165,7 +165,7 @@ where
             *apart -= *z;
         }
         let left = self.left();
-        (self.steps, self.best, self.halved) = (0, (left, self.x.clone()), (left, 0));
+        (self.steps, self.best, self.progress) = (0, (left, self.x.clone()), (left, 0));
     }
 
     /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
@@ -215,10 +215,12 @@ where
         if left < self.best.0 {
             self.best = (left, self.x.clone());
         }
-        if left <= 0.5 * self.halved.0 {
-            self.halved = (left, self.steps);
+        // Any step leads on in a convex programme; elsewhere one may crawl for ever.
+        let enough = if let Factors::General(_) = self.factors { 0.5 } else { 1.0 };
+        if left < enough * self.progress.0 {
+            self.progress = (left, self.steps);
         }
-        let goes_on = goes_on && self.steps < self.halved.1 + PATIENCE;
+        let goes_on = goes_on && self.steps < self.progress.1 + PATIENCE;
         if !goes_on {
             self.x.clone_from(&self.best.1);
         }
