@@ -215,7 +215,7 @@ where
         if left < self.best.0 {
             self.best = (left, self.x.clone());
         }
-        // Any step leads on in a convex programme; elsewhere one may crawl for ever.
+        // In a convex programme any decrease is progress; elsewhere a run may crawl for ever.
         let enough = if let Factors::General(_) = self.factors { 0.5 } else { 1.0 };
         if left < enough * self.progress.0 {
             self.progress = (left, self.steps);

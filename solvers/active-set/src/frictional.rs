@@ -3,8 +3,8 @@
 //! Nothing is minimised, and no method is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
 //! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
-//! Where sweeps stall, proximal points follow from the best impulses. An interior point, which begins far away and comes near at rest,
-//! has its turn once they have taken the time that it takes; points resume from what it finds, if that leaves a tenth of theirs: on small
+//! Where sweeps stall, proximal points follow from the best impulses. An interior point, which begins far away and mostly comes near at
+//! rest, has its turn once they have taken the time that it takes; points resume from what it finds, if that leaves a tenth of theirs: on small
 //! packings and from a warm start they lead on by themselves. Where they stall too, that is the floor, and the end. Where factors do not
 //! fit in memory, sweeps are the only stage.
 
