@@ -5,7 +5,7 @@ use regex::{Captures, Regex};
 /// Names that are less alike than this are not meant for each other (Jaro and Winkler's similarity, 1 for equal names).
 const ALIKE: f64 = 0.8;
 
-/// Names that an error lists in full, at most; of more, so many.
+/// Greatest number of names that an error lists in full, and that of the most similar ones which it lists of more.
 const FITS: usize = 80;
 const SHOWN: usize = 8;
 
@@ -58,9 +58,9 @@ fn means(given: &str, known: &str) -> bool {
 /// most similar where these would fill a screen.
 pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let mut list: Vec<&str> = known.clone().into_iter().collect();
-    let all = list.len();
-    let how_many = if all > FITS { format!("{all}, such as ") } else { String::new() };
-    if all > FITS {
+    let mut how_many = String::new();
+    if list.len() > FITS {
+        how_many = format!("{}, such as ", list.len());
         list.sort_by(|a, b| strsim::jaro_winkler(given, b).total_cmp(&strsim::jaro_winkler(given, a)));
         list.truncate(SHOWN);
     }
