@@ -1,16 +1,15 @@
 //! The active set: where it ends, what it shows on the way, and what it costs when it knows the set.
 
 use crate::friction::{rough, with_friction};
-use crate::problems::{PACKINGS, first_problem, frozen, impulses, start};
+use crate::problems::{PACKINGS, collected, first_problem, frozen, impulses, start};
 use active_set::{ActiveSet, Start};
 use analysis::Meter;
-use cases::Frozen;
+use cases::Marched;
 use contact::acceleration::Acceleration;
-use contact::{Iteration, Measure, Mechanics, Packing, RoughDiscs, RoughSpheres, Solver};
+use contact::{Iteration, Measure, Packing, RoughDiscs, RoughSpheres, Solver};
 use nsgs::Nsgs;
 use reference::{InteriorPoint, certify};
 use runner::{Stop, solve};
-use std::path::Path;
 
 const STARTS: [Start; 4] = [Start::Cg, Start::Sweeps, Start::ColdSet, Start::InteriorPoint];
 
@@ -198,22 +197,21 @@ fn starts_that_a_mechanics_lacks_are_refused() {
 /// From r = 0, at rest, where first-order methods and proximal points must choose load paths one after the other.
 #[test]
 fn an_interior_point_on_coulombs_law_comes_near_packings_at_rest() {
-    fn comes_near<M: Mechanics>(id: &str, problem: &Packing<M>)
+    fn comes_near<M: Marched>(id: &str)
     where
         ActiveSet: Solver<M>,
     {
+        let problem: Packing<M> = collected(id);
         let r0 = vec![0.0; problem.impulse_count()];
         let stop = Stop { on: Measure::NaturalMap, tolerance: 1e-6, max_iterations: 100 };
-        let outcome = solve(&method(Start::InteriorPoint), problem, &r0, &stop, &mut |_| {}).unwrap();
+        let outcome = solve(&method(Start::InteriorPoint), &problem, &r0, &stop, &mut |_| {}).unwrap();
         let (left, factors) = (outcome.measures.natural_map, outcome.work.factorisations);
         assert!(left <= 1e-6 && factors < 100, "{id}: {left:e} after {factors} factorisations");
     }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/collection/problems");
-    let path = |id: &str| folder.join(format!("{id}.json.gz"));
     for id in ["c0369210d81b5539", "41efad57949d3b5d", "7013599b0c791755"] {
-        comes_near(id, &Frozen::<RoughDiscs>::read(&path(id)).unwrap().problem);
+        comes_near::<RoughDiscs>(id);
     }
     for id in ["c06f22eb4f93e389", "1cbba430b536aa60"] {
-        comes_near(id, &Frozen::<RoughSpheres>::read(&path(id)).unwrap().problem);
+        comes_near::<RoughSpheres>(id);
     }
 }

@@ -1,12 +1,11 @@
 //! The active set between spheres with friction: known answers, the plane laid into space, and packings.
 
 use crate::friction::rough;
-use crate::problems::packing;
+use crate::problems::{collected, packing};
 use crate::rough_spheres::{embedded, roughened};
 use crate::spheres::sphere_problem_of;
 use active_set::{ActiveSet, Start};
 use analysis::Meter;
-use cases::Frozen;
 use contact::{
     Iteration, Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver, Spheres, Truth, frame,
 };
@@ -16,7 +15,6 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use reference::{RoughSolution, certify, continued, distance, polished, solve_rough};
 use runner::{Stop, solve};
-use std::path::Path;
 
 /// Newton's method from the start impulses.
 const AT_ONCE: ActiveSet = ActiveSet { start: Some(Start::ColdSet), start_accuracy: None, warm: true };
@@ -181,9 +179,7 @@ fn falling_packing_is_certified_and_its_solution_stays() {
 /// from gaps that close as fast as grains fall leads to a solution.
 #[test]
 fn continuation_in_the_offsets_certifies_a_packing_at_rest() {
-    let path = "../../cases/collection/problems/44a8d6e018183ffa.json.gz";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    let problem = Frozen::<RoughSpheres>::read(&path).unwrap().problem;
+    let problem: Packing<RoughSpheres> = collected("44a8d6e018183ffa");
     let (r, _, _) = ended(&ActiveSet::default(), &problem, &vec![0.0; problem.impulse_count()], 20_000);
     assert!(!certify(&problem, &r).certified());
     let found = continued(&problem, || {}).unwrap();

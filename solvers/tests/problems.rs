@@ -32,8 +32,16 @@ pub(crate) fn frozen(name: &str) -> Frozen {
 
 /// A frozen packing of any mechanics by name.
 pub(crate) fn packing<M: Marched>(name: &str) -> Packing<M> {
-    let frozen: Frozen<M> =
-        Frozen::read(&frozen_path(&format!("{name}.json"))).unwrap_or_else(|error| panic!("{error}"));
+    packing_at(&frozen_path(&format!("{name}.json")))
+}
+
+/// A packing of the collection by its id.
+pub(crate) fn collected<M: Marched>(id: &str) -> Packing<M> {
+    packing_at(&cases_folder().join("collection/problems").join(format!("{id}.json.gz")))
+}
+
+fn packing_at<M: Marched>(path: &Path) -> Packing<M> {
+    let frozen: Frozen<M> = Frozen::read(path).unwrap_or_else(|error| panic!("{error}"));
     frozen.problem
 }
 
