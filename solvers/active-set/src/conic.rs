@@ -16,24 +16,21 @@
 //! optimization, Z. Angew. Math. Mech. 91 (2011) 155-175; S. Mehrotra, On the implementation of a primal-dual interior point method,
 //! SIAM J. Optim. 2 (1992) 575-601.
 
-use crate::cone::{Scaling, product, quotient, reach};
+mod direction;
+mod shift;
+
+use crate::cone::{Scaling, product, quotient};
 use crate::inner::ordered;
 use crate::interior::{FROM, MOST_STEPS, NO_WAY, SHORT_OF_IT};
 use crate::layout::Layout;
-use cholesky::{Coupling, Factor, Lu, OneWay, Structure};
+use cholesky::{Lu, Structure};
 use contact::law::tangential;
 use contact::status::unit;
-use contact::{Cone, Frictional, Mechanics, Packing, Rough, SetupError, Visited, Work};
-use nalgebra::{SMatrix, SVector};
+use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
+use direction::Factors;
+use nalgebra::SVector;
+use shift::{slope_of, smoothed};
 use std::sync::Arc;
-
-/// Factors of Newton's matrix.
-enum Factors<const N: usize> {
-    /// With σ frozen.
-    Symmetric(Option<Factor<N>>),
-    /// With a σ that follows the velocities.
-    General(Lu<N>),
-}
 
 /// The cones with some σ, and the interior point's iterate: x = T⁻¹ s and z in the place of T (v + σ n) in the cones of all contacts,
 /// with T = diag(1/μ, 1, …) and, where there is no friction, diag(1, 0, …). Grains are in the order of the factor.
@@ -77,25 +74,6 @@ const PATIENCE: u32 = 8;
 const NEAR: f64 = 1e-13;
 const NEARLY: f64 = 1e-3;
 
-/// Direction of x and z, and of v.
-struct Direction<const D: usize> {
-    x: Vec<SVector<f64, D>>,
-    z: Vec<SVector<f64, D>>,
-    v: Vec<SVector<f64, D>>,
-}
-
-/// Returns the σ of a contact that slides with `speed`, smoothed over δ (√J).
-fn smoothed(friction: f64, speed: f64, delta: f64) -> f64 {
-    if speed > 0.0 { friction * speed * (speed / speed.hypot(delta)) } else { 0.0 }
-}
-
-/// Returns the slope of [`smoothed`] in v (–).
-fn slope_of<const D: usize>(friction: f64, v: SVector<f64, D>, delta: f64) -> SVector<f64, D> {
-    let (along, speed) = tangential(v);
-    let root = speed.hypot(delta);
-    if root > 0.0 { along * (friction / root * (1.0 + (delta / root).powi(2))) } else { along }
-}
-
 impl<const D: usize, const N: usize> Conic<D, N>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
@@ -105,23 +83,23 @@ where
     /// # Errors
     /// Where it is too large for that.
     pub fn relaxation(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
-        Self::new(problem, |_| Ok(Factors::Symmetric(None)))
+        let (ends, order) = ordered(problem)?;
+        Ok(Self::new(problem, Structure::new(&ends, &order)?, Factors::Symmetric(None)))
     }
 
-    /// Lays the problem out, for Coulomb's own law.
+    /// Lays the problem out, for Coulomb's own law, with factors of a `structure` of its contacts.
     ///
     /// # Errors
     /// Where it is too large for that.
-    pub fn coulomb(problem: &Packing<Rough<D>>) -> Result<Self, SetupError> {
-        Self::new(problem, |structure| Lu::new(Arc::clone(structure)).map(Factors::General))
+    pub(crate) fn coulomb(
+        problem: &Packing<Rough<D>>,
+        structure: &Arc<Structure<N>>,
+    ) -> Result<Self, SetupError> {
+        let factors = Factors::General(Lu::new(Arc::clone(structure))?);
+        Ok(Self::new(problem, Arc::clone(structure), factors))
     }
 
-    fn new(
-        problem: &Packing<Rough<D>>,
-        factors: impl Fn(&Arc<Structure<N>>) -> Result<Factors<N>, SetupError>,
-    ) -> Result<Self, SetupError> {
-        let (ends, order) = ordered(problem)?;
-        let structure = Structure::new(&ends, &order)?;
+    fn new(problem: &Packing<Rough<D>>, structure: Arc<Structure<N>>, factors: Factors<N>) -> Self {
         let layout = Layout::placed(problem, |grain| structure.position()[grain as usize]);
         let shape = |friction: f64| {
             let mut shape = SVector::repeat(if friction > 0.0 { 1.0 } else { 0.0 });
@@ -142,13 +120,13 @@ where
             best: (f64::INFINITY, Vec::new()),
             progress: (f64::INFINITY, 0),
             scale: problem.scale().sqrt(),
-            factors: factors(&structure)?,
+            factors,
             work: Work::default(),
             structure,
             layout,
         };
         conic.begin();
-        Ok(conic)
+        conic
     }
 
     /// Begins away from all bounds.
@@ -258,93 +236,6 @@ where
         self.delta = self.mean(&way, [0.0; 2]).sqrt();
         self.measure();
         true
-    }
-
-    /// Adds to `apart` by how much σ will differ from its slope after a step of so much `along` v, to a mean product of `delta`².
-    fn curve(&mut self, along: &[SVector<f64, D>], share: f64, delta: f64) {
-        for (k, column) in self.layout.columns.iter().enumerate() {
-            let step = share * along[k];
-            let then = smoothed(column.friction(), tangential(self.v[k] + step).1, delta);
-            self.apart[k][0] += self.shape[k][0] * (then - self.sigma[k] - self.slope[k].dot(&step));
-        }
-    }
-
-    fn factorise(&mut self, square: &[SMatrix<f64, D, D>]) -> bool {
-        self.work.factorisations += 1;
-        let Self { layout, shape, structure, factors, slope, work, .. } = self;
-        let pushes = |contact: usize, shape: &SVector<f64, D>| {
-            let pushes: [_; D] = std::array::from_fn(|c| layout.columns[contact].pushes(unit(c) * shape[c]));
-            [0, 1].map(|end| SMatrix::<f64, N, D>::from_columns(&pushes.map(|of| of[end])))
-        };
-        let one = |_| SVector::repeat(1.0);
-        let done = match factors {
-            Factors::Symmetric(factor) => {
-                work.factorisation_multiply_adds += structure.work();
-                let coupling = |contact: usize| {
-                    Some(Coupling::product(pushes(contact, &shape[contact]), square[contact]))
-                };
-                Factor::replace(factor, structure, one, coupling)
-            }
-            Factors::General(factors) => {
-                work.factorisation_multiply_adds += 2 * structure.work();
-                let coupling = |contact: usize| {
-                    let ends = pushes(contact, &SVector::repeat(1.0));
-                    let shape = &shape[contact];
-                    let weights = square[contact].component_mul(&(shape * shape.transpose()));
-                    let weights = weights + weights.column(0) * slope[contact].transpose();
-                    Some(OneWay::product(ends.map(|end| end * weights), ends))
-                };
-                factors.renew(one, coupling).is_ok()
-            }
-        };
-        // Two solves, each with the factor and its transpose.
-        work.triangular_solve_entries += if done { 4 * structure.entries() as u64 } else { 0 };
-        done
-    }
-
-    /// Newton's direction towards dx + W² dz = `goal`:
-    ///
-    /// (1 + Σ H̃ T W² T G H̃ᵗ) dy = Σ H̃ T (goal − W² apart),   dz = T G H̃ᵗ dy + apart,   dx = goal − W² dz
-    fn towards(&self, square: &[SMatrix<f64, D, D>], goal: &[SVector<f64, D>]) -> Direction<D> {
-        let apart = &self.apart;
-        let contacts = || self.layout.columns.iter().zip(&self.shape).enumerate();
-        let mut y = vec![SVector::zeros(); self.layout.free.len()];
-        for (k, (column, shape)) in contacts() {
-            column.push((goal[k] - square[k] * apart[k]).component_mul(shape), &mut y);
-        }
-        match &self.factors {
-            Factors::Symmetric(factor) => factor.iter().for_each(|factor| factor.solve(&mut y)),
-            Factors::General(factors) => factors.solve(&mut y),
-        }
-        let v: Vec<_> = self.layout.columns.iter().map(|column| column.relative(&y)).collect();
-        let of = |(k, (_, shape)): (usize, (&<Rough<D> as Mechanics>::Column, &SVector<f64, D>))| {
-            let mut moved = v[k];
-            moved[0] += self.slope[k].dot(&v[k]);
-            let dz = moved.component_mul(shape) + apart[k];
-            (goal[k] - square[k] * dz, dz)
-        };
-        let (x, z) = contacts().map(of).unzip();
-        Direction { x, z, v }
-    }
-
-    /// Returns the lengths of the steps of x and of z: a `share` of the way to the boundaries of their cones, at most 1. Where σ follows v,
-    /// and v follows x, both have the same.
-    fn lengths(&self, way: &Direction<D>, share: f64) -> [f64; 2] {
-        let least = |x: &[SVector<f64, D>], dx: &[SVector<f64, D>]| {
-            x.iter().zip(dx).map(|(x, dx)| reach(x, dx)).fold(f64::INFINITY, f64::min)
-        };
-        let [of_x, of_z] =
-            [least(&self.x, &way.x), least(&self.z, &way.z)].map(|reach| (share * reach).min(1.0));
-        match self.factors {
-            Factors::Symmetric(_) => [of_x, of_z],
-            Factors::General(_) => [of_x.min(of_z); 2],
-        }
-    }
-
-    /// The mean of x · z after steps of these lengths.
-    fn mean(&self, way: &Direction<D>, [of_x, of_z]: [f64; 2]) -> f64 {
-        let of = |k: usize| (self.x[k] + of_x * way.x[k]).dot(&(self.z[k] + of_z * way.z[k]));
-        (0..self.x.len()).map(of).sum::<f64>() / self.x.len() as f64
     }
 
     /// Solves the programme for the present σ; then takes σ = μ|`v_t`|. Returns whether it was solved, or nearly.

@@ -105,7 +105,7 @@ where
 
     /// An interior point on the law itself.
     fn begin_interior(&mut self) -> Result<(), SetupError> {
-        self.interior = Some(Conic::coulomb(self.problem)?);
+        self.interior = Some(Conic::coulomb(self.problem, self.newton.structure()?)?);
         self.phase = Phase::Interior;
         Ok(())
     }

@@ -1,6 +1,8 @@
 //! Known properties of the interior point on Coulomb's law and its convex neighbour.
 
 use super::{Conic, slope_of, smoothed};
+use crate::inner::ordered;
+use cholesky::Structure;
 use contact::{Packing, RoughContact, RoughDiscs, RoughMass, Truth};
 use nalgebra::{Vector2, Vector3};
 
@@ -43,7 +45,8 @@ fn one_programme_lifts_a_disc_that_slides_and_the_fixed_point_lays_it_down() {
 fn a_disc_slides_without_being_lifted_by_the_law_itself() {
     let friction = 0.2;
     let problem = sliding_disc(friction);
-    let mut law = Conic::<2, 3>::coulomb(&problem).unwrap();
+    let (ends, order) = ordered(&problem).unwrap();
+    let mut law = Conic::<2, 3>::coulomb(&problem, &Structure::new(&ends, &order).unwrap()).unwrap();
     while law.step() {}
     let mut r = [0.0; 2];
     law.impulses(&mut r);

@@ -8,8 +8,10 @@ use super::matrix::Matrix;
 use crate::Best;
 use crate::layout::{Drawn, Layout};
 use crate::start::Start;
+use cholesky::Structure;
 use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::SVector;
+use std::sync::Arc;
 
 /// ε of Newton's method alone (–): what sticks more than motion allows keeps its impulses but for so much.
 const EPSILON: f64 = 1e-6;
@@ -64,8 +66,7 @@ where
     /// # Errors
     /// Where the problem is too large for that.
     pub(super) fn prepare(&mut self) -> Result<(), SetupError> {
-        let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
-        matrix.as_ref().map(|_| ()).map_err(Clone::clone)
+        self.structure().map(|_| ())
     }
 
     /// Returns how many sweeps take as long as a factor; none, where the matrix does not fit in memory.
@@ -77,6 +78,15 @@ where
     /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
     pub(super) fn left_by(&self, r: &[f64]) -> f64 {
         self.left(Self::ALONE, &self.layout.scaled(r))
+    }
+
+    /// Returns the structure of the factors of the matrix.
+    ///
+    /// # Errors
+    /// Where the problem is too large for that.
+    pub(super) fn structure(&mut self) -> Result<&Arc<Structure<N>>, SetupError> {
+        let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
+        matrix.as_ref().map(Matrix::structure).map_err(Clone::clone)
     }
 
     /// Returns the problem and the matrix; none, where it does not fit in memory.
