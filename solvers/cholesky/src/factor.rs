@@ -4,7 +4,7 @@ use crate::Singular;
 use crate::front::Front;
 use crate::solve::solve;
 use crate::structure::{Join, Structure};
-use contact::threads;
+use crate::tree::{Fronts, Left};
 use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
 use std::ops::Add;
@@ -72,71 +72,13 @@ struct Matrix<'m, const D: usize> {
     coupling: &'m (dyn Fn(usize) -> Option<Coupling<D>> + Sync),
 }
 
-/// Multiply-adds of a subtree that are worth a thread.
-const WORTH_A_THREAD: u64 = 1_000_000;
+impl<const D: usize> Fronts<D> for Matrix<'_, D> {
+    type Memory<'v> = &'v mut [f64];
 
-/// Supernode k, the top of a subtree; the values of the subtree; and what it leaves to its parent.
-type Part<'v> = (usize, &'v mut [f64], Option<Left>);
-
-/// Update of a supernode to its parent: (D × rows)², column by column.
-type Left = Vec<f64>;
-
-impl<const D: usize> Matrix<'_, D> {
-    /// The subtree of supernode `k` into its `values`; what it leaves, or `None` where a pivot is not positive.
-    fn subtree(&self, k: usize, values: &mut [f64]) -> Option<Left> {
-        let node = &self.structure.supernodes[k];
-        if node.work < WORTH_A_THREAD || node.children == 0 {
-            return self.in_turn(node.first as usize, k, values);
-        }
-        let base = self.structure.supernodes[node.first as usize].start;
-        let (below, panel) = values.split_at_mut(node.start - base);
-        let left = self.subtrees(self.structure.children(k).into_iter(), below)?;
-        let children: Vec<_> = left.iter().map(|(k, left)| (*k, &left[..])).collect();
-        let mut rest = Vec::new();
-        self.front(k, panel, &mut rest, &children).then_some(rest)
+    fn structure(&self) -> &Structure<D> {
+        self.structure
     }
 
-    /// Subtrees whose `values` follow one another, in threads.
-    fn subtrees(
-        &self,
-        tops: impl Iterator<Item = usize>,
-        mut values: &mut [f64],
-    ) -> Option<Vec<(usize, Left)>> {
-        let mut parts: Vec<Part<'_>> = Vec::new();
-        for k in tops {
-            let first = self.structure.supernodes[k].first as usize;
-            let entries = self.structure.end(k) - self.structure.supernodes[first].start;
-            let (part, others) = values.split_at_mut(entries);
-            parts.push((k, part, None));
-            values = others;
-        }
-        let most = parts.iter().map(|(k, ..)| self.structure.supernodes[*k].work).max().unwrap_or(0);
-        // Some ten multiply-adds take a nanosecond; the greatest part decides.
-        threads::each(&mut parts, (most / 10) as usize, &|_, (k, part, left)| *left = self.subtree(*k, part));
-        parts.into_iter().map(|(k, _, left)| Some((k, left?))).collect()
-    }
-
-    /// Supernodes `first` to `last`, a subtree, one after the other.
-    fn in_turn(&self, first: usize, last: usize, values: &mut [f64]) -> Option<Left> {
-        let base = self.structure.supernodes[first].start;
-        let mut waiting: Vec<(usize, Left)> = Vec::new();
-        let mut spare: Vec<Left> = Vec::new();
-        for k in first..=last {
-            let node = &self.structure.supernodes[k];
-            let own = waiting.len() - node.children as usize;
-            let mut rest = spare.pop().unwrap_or_default();
-            let children: Vec<_> = waiting[own..].iter().map(|(k, left)| (*k, &left[..])).collect();
-            let panel = &mut values[node.start - base..self.structure.end(k) - base];
-            if !self.front(k, panel, &mut rest, &children) {
-                return None;
-            }
-            spare.extend(waiting.drain(own..).map(|(_, left)| left));
-            waiting.push((k, rest));
-        }
-        waiting.pop().map(|(_, left)| left)
-    }
-
-    /// Assembles the front of supernode `k` with what its children left, and eliminates its own columns.
     fn front(&self, k: usize, panel: &mut [f64], rest: &mut Left, children: &[(usize, &[f64])]) -> bool {
         let node = &self.structure.supernodes[k];
         let own = D * node.own.len();
@@ -251,12 +193,8 @@ impl<const D: usize> Factor<D> {
     ) -> Result<(), Singular> {
         let structure = &*self.structure;
         let matrix = Matrix { structure, mass: &mass, coupling: &coupling };
-        let done = matrix.subtrees(structure.roots(), &mut self.values).is_some();
-        if done {
-            Ok(())
-        } else {
-            Err(Singular("it is not positive definite in double precision".to_owned()))
-        }
+        let why = || Singular("it is not positive definite in double precision".to_owned());
+        matrix.factorise(&mut self.values).then_some(()).ok_or_else(why)
     }
 
     /// Leaves the factor of another matrix, as of [`Factor::renew`], in the place of one or of none; says whether it has one. Where it

@@ -12,7 +12,7 @@ use contact::threads;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Columns that are eliminated before the columns after them are touched.
-const PANEL: usize = 48;
+pub(crate) const PANEL: usize = 48;
 
 /// The columns of a front to be eliminated, and what is below and right of them.
 pub(crate) struct Front<'m> {
@@ -43,7 +43,7 @@ impl Front<'_> {
             }
             let (done, ahead) = panel.split_at_mut(to * rows);
             let columns = Entries { of: &done[from * rows..], rows };
-            let done = Product { left: columns, right: columns, depth: to - from, whole: false };
+            let done = Product { left: columns, right: columns, depth: to - from, rows_from: None };
             done.subtract(ahead, 0, to);
             done.subtract(rest, own, own);
             from = to;
@@ -108,8 +108,8 @@ pub(crate) struct Product<'m> {
     pub(crate) left: Entries<'m>,
     pub(crate) right: Entries<'m>,
     pub(crate) depth: usize,
-    /// Not its lower triangle alone.
-    pub(crate) whole: bool,
+    /// The row from which on it counts; none for the lower triangle.
+    pub(crate) rows_from: Option<usize>,
 }
 
 impl Product<'_> {
@@ -145,7 +145,7 @@ impl WithSimd for Difference<'_> {
         let stride = product.left.rows - top;
         let (mut j, end) = (first, first + matrix.len().checked_div(stride).unwrap_or(0));
         while j < end {
-            let from = if product.whole { top } else { j };
+            let from = product.rows_from.unwrap_or(j);
             let target = &mut matrix[(j - first) * stride + from - top..];
             if j + 4 <= end {
                 product.strip::<4>(target, stride, from, j);

@@ -13,6 +13,7 @@ mod order;
 mod solve;
 mod structure;
 mod supernodes;
+mod tree;
 
 pub use factor::{Coupling, Factor};
 pub use general::General;

@@ -10,6 +10,7 @@ mod front;
 
 use crate::Singular;
 use crate::structure::{Structure, Supernode};
+use crate::tree::{Fronts, Left, Memory};
 use contact::SetupError;
 use contact::memory::Reserved;
 use front::Front;
@@ -70,56 +71,14 @@ impl<const D: usize> Lu<D> {
     /// Where a front has no pivot in its own rows: this is then no factor of any.
     pub fn renew(
         &mut self,
-        mass: impl Fn(usize) -> SVector<f64, D>,
-        coupling: impl Fn(usize) -> Option<OneWay<D>>,
+        mass: impl Fn(usize) -> SVector<f64, D> + Sync,
+        coupling: impl Fn(usize) -> Option<OneWay<D>> + Sync,
     ) -> Result<(), Singular> {
-        let structure = Arc::clone(&self.structure);
-        let mut waiting: Vec<(usize, Vec<f64>)> = Vec::new();
-        for (k, node) in structure.supernodes.iter().enumerate() {
-            let (own, below) = unknowns::<D>(node);
-            let mut rest = vec![0.0; below * below];
-            let (lower, upper) =
-                (node.start..node.start + (own + below) * own, node.start..node.start + own * below);
-            let front = Front {
-                lower: &mut self.lower[lower],
-                upper: &mut self.upper[upper],
-                rest: &mut rest,
-                exchanged: &mut self.exchanged[D * node.own.start as usize..][..own],
-                own,
-                below,
-            };
-            let children = waiting.split_off(waiting.len() - node.children as usize);
-            let eliminated = Arch::new().dispatch(|| {
-                let mut front = front;
-                front.clear();
-                for (place, at) in node.own.clone().zip(0..) {
-                    front.add::<D>(at, at, &SMatrix::from_diagonal(&mass(place as usize)));
-                }
-                for join in &structure.joins[node.joins.clone()] {
-                    let [i, j] = join.ends;
-                    if let Some(coupling) = coupling(join.coupling as usize) {
-                        front.add(i, i, &coupling.first);
-                        if i != j {
-                            front.add(j, j, &coupling.second);
-                            front.add(i, j, &coupling.between);
-                            front.add(j, i, &coupling.back);
-                        }
-                    }
-                }
-                for (child, left) in &children {
-                    let rows = &structure.in_parent[structure.supernodes[*child].rows.clone()];
-                    front.extend_add::<D>(left, rows);
-                }
-                front.eliminate()
-            });
-            if !eliminated {
-                return Err(Singular("a front has no pivot".to_owned()));
-            }
-            if below > 0 {
-                waiting.push((k, rest));
-            }
-        }
-        Ok(())
+        let matrix = Matrix { structure: &self.structure, mass: &mass, coupling: &coupling };
+        let memory =
+            Places { lower: &mut self.lower, upper: &mut self.upper, exchanged: &mut self.exchanged };
+        let why = || Singular("a front has no pivot".to_owned());
+        matrix.factorise(memory).then_some(()).ok_or_else(why)
     }
 
     /// x ← (P K Pᵗ)⁻¹ x, for one x per place.
@@ -132,6 +91,68 @@ impl<const D: usize> Lu<D> {
     /// See [`Structure::entries`]: as many of L, and of U.
     pub fn entries(&self) -> usize {
         2 * self.structure.entries()
+    }
+}
+
+/// Terms of the matrix, as trait objects: see [`Lu::renew`].
+struct Matrix<'m, const D: usize> {
+    structure: &'m Structure<D>,
+    mass: &'m (dyn Fn(usize) -> SVector<f64, D> + Sync),
+    coupling: &'m (dyn Fn(usize) -> Option<OneWay<D>> + Sync),
+}
+
+/// The places of the factors of supernodes that follow one another: see [`Lu`].
+struct Places<'v> {
+    lower: &'v mut [f64],
+    upper: &'v mut [f64],
+    exchanged: &'v mut [u32],
+}
+
+impl Memory for Places<'_> {
+    fn split(self, entries: usize, unknowns: usize) -> (Self, Self) {
+        let (lower, upper) = (self.lower.split_at_mut(entries), self.upper.split_at_mut(entries));
+        let exchanged = self.exchanged.split_at_mut(unknowns);
+        let part = |lower, upper, exchanged| Self { lower, upper, exchanged };
+        (part(lower.0, upper.0, exchanged.0), part(lower.1, upper.1, exchanged.1))
+    }
+}
+
+impl<const D: usize> Fronts<D> for Matrix<'_, D> {
+    type Memory<'v> = Places<'v>;
+
+    fn structure(&self) -> &Structure<D> {
+        self.structure
+    }
+
+    fn front(&self, k: usize, memory: Places, rest: &mut Left, children: &[(usize, &[f64])]) -> bool {
+        let node = &self.structure.supernodes[k];
+        let (own, below) = unknowns::<D>(node);
+        rest.clear();
+        rest.resize(below * below, 0.0);
+        let Places { lower, upper, exchanged } = memory;
+        let mut front = Front { lower, upper: &mut upper[..own * below], rest, exchanged, own, below };
+        Arch::new().dispatch(|| {
+            front.clear();
+            for (place, at) in node.own.clone().zip(0..) {
+                front.add::<D>(at, at, &SMatrix::from_diagonal(&(self.mass)(place as usize)));
+            }
+            for join in &self.structure.joins[node.joins.clone()] {
+                let [i, j] = join.ends;
+                if let Some(coupling) = (self.coupling)(join.coupling as usize) {
+                    front.add(i, i, &coupling.first);
+                    if i != j {
+                        front.add(j, j, &coupling.second);
+                        front.add(i, j, &coupling.between);
+                        front.add(j, i, &coupling.back);
+                    }
+                }
+            }
+            for (child, left) in children {
+                let rows = &self.structure.in_parent[self.structure.supernodes[*child].rows.clone()];
+                front.extend_add::<D>(left, rows);
+            }
+        });
+        front.eliminate()
     }
 }
 

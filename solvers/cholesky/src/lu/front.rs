@@ -5,8 +5,9 @@
     reason = "what is not inlined where the processor's instructions are chosen does not get them"
 )]
 
-use crate::front::{Entries, Product};
+use crate::front::{Entries, PANEL, Product};
 use nalgebra::SMatrix;
+use pulp::{Arch, Simd, WithSimd};
 
 /// A front: `own` columns of all its rows, the rows of these to the right, and the rest.
 pub(super) struct Front<'m> {
@@ -64,47 +65,104 @@ impl Front<'_> {
     }
 
     /// Eliminates the own columns; `false` where one has no pivot.
-    #[inline(always)]
     pub(super) fn eliminate(&mut self) -> bool {
         let (own, below) = (self.own, self.below);
         let rows = own + below;
-        for j in 0..own {
-            let column = &self.lower[j * rows + j..j * rows + own];
-            let (mut pivot, mut at) = (column[0], 0);
-            for (k, entry) in column.iter().enumerate() {
-                if entry.abs() > pivot.abs() {
-                    (pivot, at) = (*entry, k);
-                }
-            }
-            if !(pivot != 0.0 && pivot.is_finite()) {
+        let mut ahead_of_panel = Vec::new();
+        for from in (0..own).step_by(PANEL) {
+            let to = own.min(from + PANEL);
+            if !Arch::new().dispatch(Panel { front: self, from, to }) {
                 return false;
             }
-            self.exchanged[j] = at as u32;
-            if at > 0 {
-                self.lower.chunks_exact_mut(rows).for_each(|column| column.swap(j, j + at));
-                if below > 0 {
-                    let (first, second) = self.upper.split_at_mut((j + at) * below);
-                    first[j * below..(j + 1) * below].swap_with_slice(&mut second[..below]);
-                }
+            let depth = to - from;
+            let (done, ahead) = self.lower.split_at_mut(to * rows);
+            let left = Entries { of: &done[from * rows..], rows };
+            // Rows of U, of which the own columns are not side by side.
+            ahead_of_panel.clear();
+            for row in from..to {
+                ahead_of_panel.extend(ahead.chunks_exact(rows).map(|column| column[row]));
             }
-            let inverse = 1.0 / pivot;
-            let (done, ahead) = self.lower.split_at_mut((j + 1) * rows);
+            let right = Entries { of: &ahead_of_panel, rows: own - to };
+            Product { left, right, depth, rows_from: Some(to) }.subtract(ahead, 0, 0);
+            if below > 0 {
+                let (done, under) = self.upper.split_at_mut(to * below);
+                let right = Entries { of: &done[from * below..], rows: below };
+                Product { left: right, right: left, depth, rows_from: Some(0) }.subtract(under, 0, to);
+                Product { left, right, depth, rows_from: Some(own) }.subtract(self.rest, own, 0);
+            }
+        }
+        true
+    }
+
+    /// Finds the pivot of column `j`, the greatest entry of its own rows from `j` on, and takes its row to row `j`; `false` where there is none.
+    #[inline(always)]
+    fn exchange(&mut self, j: usize) -> bool {
+        let (own, below) = (self.own, self.below);
+        let rows = own + below;
+        let column = &self.lower[j * rows + j..j * rows + own];
+        let (mut pivot, mut at) = (column[0], 0);
+        for (k, entry) in column.iter().enumerate() {
+            if entry.abs() > pivot.abs() {
+                (pivot, at) = (*entry, k);
+            }
+        }
+        if !(pivot != 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        self.exchanged[j] = at as u32;
+        if at > 0 {
+            self.lower.chunks_exact_mut(rows).for_each(|column| column.swap(j, j + at));
+            if below > 0 {
+                let (first, second) = self.upper.split_at_mut((j + at) * below);
+                first[j * below..(j + 1) * below].swap_with_slice(&mut second[..below]);
+            }
+        }
+        true
+    }
+}
+
+/// The columns `from..to` of a front, and the rows of U to the right of them.
+struct Panel<'f, 'm> {
+    front: &'f mut Front<'m>,
+    from: usize,
+    to: usize,
+}
+
+impl WithSimd for Panel<'_, '_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Self { front, from, to } = self;
+        let (own, below) = (front.own, front.below);
+        let rows = own + below;
+        for j in from..to {
+            if !front.exchange(j) {
+                return false;
+            }
+            let (done, ahead) = front.lower[..to * rows].split_at_mut((j + 1) * rows);
             let column = &mut done[j * rows + j..];
+            let inverse = 1.0 / column[0];
             column[0] = inverse;
             column[1..].iter_mut().for_each(|entry| *entry *= inverse);
             for other in ahead.chunks_exact_mut(rows) {
-                subtract(&mut other[j..], &done[j * rows + j..]);
+                subtract(&mut other[j..], column);
             }
-            let (above, under) = self.upper.split_at_mut((j + 1) * below);
+        }
+        let (done, ahead) = front.lower.split_at_mut(to * rows);
+        let of_l = |j: usize| &done[j * rows + j..j * rows + to];
+        for column in ahead.chunks_exact_mut(rows) {
+            for j in from..to {
+                subtract(&mut column[j..to], of_l(j));
+            }
+        }
+        for j in from..to {
+            let (above, under) = front.upper[..to * below].split_at_mut((j + 1) * below);
             let of_j = &above[j * below..];
-            for (k, row) in under.chunks_exact_mut(below.max(1)).enumerate() {
-                let factor = done[j * rows + j + 1 + k];
+            for (row, factor) in under.chunks_exact_mut(below.max(1)).zip(&of_l(j)[1..]) {
                 row.iter_mut().zip(of_j).for_each(|(entry, of_j)| *entry -= factor * of_j);
             }
         }
-        let left = Entries { of: self.lower, rows };
-        let right = Entries { of: self.upper, rows: below };
-        Product { left, right, depth: own, whole: true }.subtract(self.rest, own, 0);
         true
     }
 }
