@@ -1,7 +1,7 @@
 //! Contacts of a simulation: a row for each contact of a time step, in a table that grows while time goes on.
 
 use crate::columns::{CsvRows, cells, table};
-use crate::name::{self, Name};
+use crate::name::{self, names};
 use crate::whole::Unfinished;
 use cases::Side;
 use contact::number;
@@ -72,50 +72,33 @@ pub struct ContactForce {
     pub status: ContactStatus,
 }
 
-/// Kind of an antagonist.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Body {
-    /// Another grain.
-    #[default]
-    Grain,
-    /// The floor.
-    Floor,
-    /// The wall at the left.
-    Left,
-    /// The wall at the right.
-    Right,
-    /// The wall behind.
-    Back,
-    /// The wall before.
-    Front,
-    /// The drum.
-    Drum,
-    /// A bump of the floor.
-    Bump,
-    /// A segment.
-    Segment,
-    /// The lid.
-    Lid,
-    /// A guide of a lid or a driven segment, which is the candidate.
-    Guide,
-}
-
-impl Name for Body {
-    const COLUMN: &'static str = "body";
-
-    const NAMES: &'static [(Self, &'static str)] = &[
-        (Self::Grain, "grain"),
-        (Self::Floor, "floor"),
-        (Self::Left, "left"),
-        (Self::Right, "right"),
-        (Self::Back, "back"),
-        (Self::Front, "front"),
-        (Self::Drum, "drum"),
-        (Self::Bump, "bump"),
-        (Self::Segment, "segment"),
-        (Self::Lid, "lid"),
-        (Self::Guide, "guide"),
-    ];
+names! {
+    /// Kind of an antagonist.
+    Body in "body" {
+        /// Another grain.
+        #[default]
+        Grain = "grain",
+        /// The floor.
+        Floor = "floor",
+        /// The wall at the left.
+        Left = "left",
+        /// The wall at the right.
+        Right = "right",
+        /// The wall behind.
+        Back = "back",
+        /// The wall before.
+        Front = "front",
+        /// The drum.
+        Drum = "drum",
+        /// A bump of the floor.
+        Bump = "bump",
+        /// A segment.
+        Segment = "segment",
+        /// The lid.
+        Lid = "lid",
+        /// A guide of a lid or a driven segment, which is the candidate.
+        Guide = "guide",
+    }
 }
 
 impl Body {
@@ -138,25 +121,19 @@ impl Body {
     }
 }
 
-/// Status of a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ContactStatus {
-    /// No impulse.
-    #[default]
-    Open,
-    /// A normal impulse without friction.
-    Closed,
-    /// A tangential impulse inside Coulomb's cone.
-    Sticks,
-    /// A tangential impulse on Coulomb's cone.
-    Slides,
-}
-
-impl Name for ContactStatus {
-    const COLUMN: &'static str = "status";
-
-    const NAMES: &'static [(Self, &'static str)] =
-        &[(Self::Open, "open"), (Self::Closed, "closed"), (Self::Sticks, "sticks"), (Self::Slides, "slides")];
+names! {
+    /// Status of a contact.
+    ContactStatus in "status" {
+        /// No impulse.
+        #[default]
+        Open = "open",
+        /// A normal impulse without friction.
+        Closed = "closed",
+        /// A tangential impulse inside Coulomb's cone.
+        Sticks = "sticks",
+        /// A tangential impulse on Coulomb's cone.
+        Slides = "slides",
+    }
 }
 
 /// Number of rows that are written at once to a Parquet table: some megabytes.

@@ -18,6 +18,23 @@ pub trait Name: Copy + PartialEq + 'static {
     }
 }
 
+/// Declares an enum of values with names in files, and its [`Name`].
+macro_rules! names {
+    ($(#[$of:meta])* $name:ident in $column:literal { $($(#[$each:meta])* $value:ident = $text:literal,)+ }) => {
+        $(#[$of])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum $name {
+            $($(#[$each])* $value,)+
+        }
+
+        impl $crate::name::Name for $name {
+            const COLUMN: &'static str = $column;
+            const NAMES: &'static [(Self, &'static str)] = &[$((Self::$value, $text)),+];
+        }
+    };
+}
+pub(crate) use names;
+
 /// The measure that is asked to stop a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StopOn(pub Measure);

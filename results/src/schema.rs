@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::json;
-use crate::name::{self, Name, StopOn};
+use crate::name::{self, StopOn, names};
 
 /// One run: a method with its parameters on a problem, stopped by a rule; where it ended and what it cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -275,44 +275,30 @@ pub struct Provenance {
     pub other_code: String,
 }
 
-/// Ending of a run; in keys of figures in this order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Ending {
-    /// The measure met the tolerance.
-    Converged,
-    /// All iterations made.
-    IterationLimit,
-    /// No further iteration changes anything.
-    Stalled,
-    /// The iterate is not finite, or far above q(0).
-    Diverged,
-    /// Claimed that there is no solution.
-    Infeasible,
-    /// The measure met the tolerance far from a solution, or where there is none: `solvers/runner/src/convergence.rs` has the rule.
-    FalseConvergence,
-    /// The method could not start on the problem.
-    Skipped,
-    /// Another code gave no answer.
-    #[default]
-    Failed,
-    /// Impulses of another code, which no run here made.
-    Given,
-}
-
-impl Name for Ending {
-    const COLUMN: &'static str = "status";
-
-    const NAMES: &'static [(Self, &'static str)] = &[
-        (Self::Converged, "converged"),
-        (Self::IterationLimit, "iteration-limit"),
-        (Self::Stalled, "stalled"),
-        (Self::Diverged, "diverged"),
-        (Self::Infeasible, "infeasible"),
-        (Self::FalseConvergence, "false-convergence"),
-        (Self::Skipped, "skipped"),
-        (Self::Failed, "failed"),
-        (Self::Given, "given"),
-    ];
+names! {
+    /// Ending of a run; in keys of figures in this order.
+    #[derive(PartialOrd, Ord)]
+    Ending in "status" {
+        /// The measure met the tolerance.
+        Converged = "converged",
+        /// All iterations made.
+        IterationLimit = "iteration-limit",
+        /// No further iteration changes anything.
+        Stalled = "stalled",
+        /// The iterate is not finite, or far above q(0).
+        Diverged = "diverged",
+        /// Claimed that there is no solution.
+        Infeasible = "infeasible",
+        /// The measure met the tolerance far from a solution, or where there is none: `solvers/runner/src/convergence.rs` has the rule.
+        FalseConvergence = "false-convergence",
+        /// The method could not start on the problem.
+        Skipped = "skipped",
+        /// Another code gave no answer.
+        #[default]
+        Failed = "failed",
+        /// Impulses of another code, which no run here made.
+        Given = "given",
+    }
 }
 
 impl Provenance {

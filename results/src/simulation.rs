@@ -4,12 +4,11 @@ pub use cases::{Bulk, Energy, Shape, Stress};
 use contact::{Work, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::ops::AddAssign;
 
 use crate::error::RowError;
 use crate::journal::{Entry, named};
 use crate::json;
-use crate::name::{self, Name, StopOn};
+use crate::name::{self, Name, StopOn, names};
 use crate::schema::{Provenance, Timing, undefined};
 
 /// One simulation: a scene through time, each time step solved by one method until one stop rule.
@@ -116,68 +115,49 @@ pub struct Totals {
     pub energy: Energy,
 }
 
-impl AddAssign for Totals {
-    fn add_assign(&mut self, other: Self) {
-        self.time_steps += other.time_steps;
-        self.missed_time_steps += other.missed_time_steps;
-        self.diverged_time_steps += other.diverged_time_steps;
-        self.infeasible_time_steps += other.infeasible_time_steps;
-        self.restarted_time_steps += other.restarted_time_steps;
-        self.iterations += other.iterations;
-        self.setup_s += other.setup_s;
-        self.iterating_s += other.iterating_s;
-        self.work += other.work;
-        self.energy += other.energy;
+contact::added!(
+    Totals: time_steps,
+    missed_time_steps,
+    diverged_time_steps,
+    infeasible_time_steps,
+    restarted_time_steps,
+    iterations,
+    setup_s,
+    iterating_s,
+    work,
+    energy
+);
+
+names! {
+    /// Part of a simulation in a study.
+    Role in "role" {
+        /// A simulation that the study asks for.
+        #[default]
+        Run = "run",
+        /// The simulation that the others are compared with.
+        Reference = "reference",
+        /// The reference with ten times its tolerance.
+        Twin = "twin",
+        /// The reference's method and tolerance with a time step of the plan.
+        Floor = "floor",
     }
 }
 
-/// Part of a simulation in a study.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Role {
-    /// A simulation that the study asks for.
-    #[default]
-    Run,
-    /// The simulation that the others are compared with.
-    Reference,
-    /// The reference with ten times its tolerance.
-    Twin,
-    /// The reference's method and tolerance with a time step of the plan.
-    Floor,
-}
-
-impl Name for Role {
-    const COLUMN: &'static str = "role";
-
-    const NAMES: &'static [(Self, &'static str)] =
-        &[(Self::Run, "run"), (Self::Reference, "reference"), (Self::Twin, "twin"), (Self::Floor, "floor")];
-}
-
-/// Ending of a simulation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SimulationEnding {
-    /// All time steps made.
-    Completed,
-    /// Not finite, or overlaps or motion beyond all bounds.
-    Exploded,
-    /// Exploded because the solver diverged.
-    SolverDiverged,
-    /// Exploded because the problem of a time step has no solution.
-    NoSolution,
-    /// The method refused a time step.
-    #[default]
-    Skipped,
-}
-
-impl Name for SimulationEnding {
-    const COLUMN: &'static str = "status";
-
-    const NAMES: &'static [(Self, &'static str)] = &[
-        (Self::Completed, "completed"),
-        (Self::Exploded, "exploded"),
-        (Self::SolverDiverged, "solver-diverged"),
-        (Self::NoSolution, "no-solution"),
-        (Self::Skipped, "skipped"),
-    ];
+names! {
+    /// Ending of a simulation.
+    SimulationEnding in "status" {
+        /// All time steps made.
+        Completed = "completed",
+        /// Not finite, or overlaps or motion beyond all bounds.
+        Exploded = "exploded",
+        /// Exploded because the solver diverged.
+        SolverDiverged = "solver-diverged",
+        /// Exploded because the problem of a time step has no solution.
+        NoSolution = "no-solution",
+        /// The method refused a time step.
+        #[default]
+        Skipped = "skipped",
+    }
 }
 
 /// A row of a series: what a simulation shows of itself at an instant, and the extremes since the row before.

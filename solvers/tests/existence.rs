@@ -274,7 +274,7 @@ fn with_solution<M: Dimension<D>, const D: usize>(
                 own = (M::impulse(1.0, [0.0; 2]) + against) * size;
             }
         }
-        own.each(&mut |x| r.push(x));
+        r.extend(own.components());
         let (moves, mut offset) = (M::contact(contact).relative(&velocity), SVector::<f64, D>::zeros());
         (v - moves).put(offset.as_mut_slice(), 0);
         contacts.push(M::contact(RoughContact { offset, ..contact }));

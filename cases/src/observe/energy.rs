@@ -18,7 +18,6 @@ use crate::problem::time_step::{Terms, TimeStep};
 use crate::scene::Scene;
 use contact::{Mass, Touch, Vector, number};
 use serde::{Deserialize, Serialize};
-use std::ops::AddAssign;
 
 /// Energy of a time step, or of several (J), with its columns in results. What gives energy to the grains is positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,16 +43,7 @@ pub struct Energy {
     pub left_over: f64,
 }
 
-impl AddAssign for Energy {
-    fn add_assign(&mut self, other: Self) {
-        self.walls += other.walls;
-        self.gap += other.gap;
-        self.shocks += other.shocks;
-        self.sliding += other.sliding;
-        self.moved += other.moved;
-        self.left_over += other.left_over;
-    }
-}
+contact::added!(Energy: walls, gap, shocks, sliding, moved, left_over);
 
 impl Energy {
     /// Computes the energy balance of a time step of a scene with the impulses `r` (N·s), between the velocities before and after

@@ -274,12 +274,9 @@ impl<M: Marched> Frozen<M> {
             let (value, expected) = (start[index].text(), M::Contact::ADMISSIBLE.to_owned());
             return Err(ProblemError::Value { key: "contacts.start", index, value, expected });
         }
-        let mut flat = Vec::with_capacity(M::Impulse::LEN * start.len());
-        for r in &start {
-            r.each(&mut |r| flat.push(r));
-        }
+        let start = start.into_iter().flat_map(Vector::components).collect();
         let File { name, source, time_step, missed_before, .. } = file;
-        Ok(Self { name, source, time_step, radius, gap, problem, start: flat, missed_before })
+        Ok(Self { name, source, time_step, radius, gap, problem, start, missed_before })
     }
 
     fn to_file(&self) -> FileOf<M> {

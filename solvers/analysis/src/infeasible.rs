@@ -155,9 +155,7 @@ impl<M: Mechanics> Local<M> {
     }
 
     fn greatest_left(&self) -> f64 {
-        let mut greatest = 0.0_f64;
-        self.y.iter().for_each(|y| y.each(&mut |x| greatest = greatest.max(x.abs())));
-        greatest
+        self.y.iter().flat_map(|y| y.components()).map(f64::abs).fold(0.0, f64::max)
     }
 }
 

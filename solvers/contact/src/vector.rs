@@ -42,16 +42,18 @@ pub trait Vector:
 
     /// The sum of the components.
     fn total(self) -> f64 {
-        let mut total = 0.0;
-        self.each(&mut |number| total += number);
-        total
+        self.components().fold(0.0, Add::add)
     }
 
-    /// Each number.
-    fn each(self, number: &mut dyn FnMut(f64));
+    /// Returns the components, the first one first.
+    fn components(self) -> impl Iterator<Item = f64> {
+        (0..Self::LEN).map(move |k| bytemuck::cast_slice(std::slice::from_ref(&self))[k])
+    }
 
     /// Reports whether no component is infinite or NaN.
-    fn is_finite(self) -> bool;
+    fn is_finite(self) -> bool {
+        self.components().all(f64::is_finite)
+    }
 
     /// As it is shown in an error.
     fn text(self) -> String;
@@ -188,14 +190,6 @@ impl Vector for f64 {
         self * other
     }
 
-    fn each(self, number: &mut dyn FnMut(f64)) {
-        number(self);
-    }
-
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-
     fn text(self) -> String {
         shown(self)
     }
@@ -228,14 +222,6 @@ impl<const N: usize> Vector for SVector<f64, N> {
     #[inline]
     fn dot_product(self, other: Self) -> f64 {
         self.dot(&other)
-    }
-
-    fn each(self, number: &mut dyn FnMut(f64)) {
-        self.iter().for_each(|x| number(*x));
-    }
-
-    fn is_finite(self) -> bool {
-        self.iter().all(|x| x.is_finite())
     }
 
     fn text(self) -> String {

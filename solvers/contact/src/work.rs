@@ -1,7 +1,6 @@
 //! Counters of the work of a method.
 
 use serde::{Deserialize, Serialize};
-use std::ops::AddAssign;
 
 /// Counted work: the same on any machine, with any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,15 +32,32 @@ impl Work {
             ("factorisation_multiply_adds", self.factorisation_multiply_adds),
         ]
     }
-}
 
-impl AddAssign for Work {
-    fn add_assign(&mut self, other: Self) {
-        self.contact_updates += other.contact_updates;
-        self.delassus_products += other.delassus_products;
-        self.interface_values += other.interface_values;
-        self.triangular_solve_entries += other.triangular_solve_entries;
-        self.factorisations += other.factorisations;
-        self.factorisation_multiply_adds += other.factorisation_multiply_adds;
+    /// Returns the work with the counts in the order of [`Work::named`].
+    pub fn of(counts: [u64; 6]) -> Self {
+        let [contact_updates, delassus_products, interface_values, triangular_solve_entries, ..] = counts;
+        let [.., factorisations, factorisation_multiply_adds] = counts;
+        Self {
+            contact_updates,
+            delassus_products,
+            interface_values,
+            triangular_solve_entries,
+            factorisations,
+            factorisation_multiply_adds,
+        }
     }
 }
+
+/// Adds records of one type field by field.
+#[macro_export]
+macro_rules! added {
+    ($record:ty: $($field:ident),+) => {
+        impl std::ops::AddAssign for $record {
+            fn add_assign(&mut self, other: Self) {
+                $(self.$field += other.$field;)+
+            }
+        }
+    };
+}
+
+added!(Work: contact_updates, delassus_products, interface_values, triangular_solve_entries, factorisations, factorisation_multiply_adds);

@@ -71,7 +71,7 @@ pub(crate) fn coupling<M, const D: usize>(
 where
     M: Stages<Velocity = SVector<f64, D>>,
 {
-    let l_minus = M::numbers(contact.direction * directions.l_minus);
+    let l_minus = (contact.direction * directions.l_minus).components();
     let dyad = |(l, [i, j]): (f64, [SVector<f64, D>; 2])| Coupling::dyad(l, i, j);
     l_minus.zip(contact.form.columns()).map(dyad).reduce(|all, dyad| all + dyad)
 }

@@ -10,9 +10,6 @@ use std::fmt::Debug;
 pub trait Stages: Bounded {
     /// A contact, apart from what it touches and c.
     type Form: Form<Self>;
-
-    /// The numbers of an impulse, the normal one first.
-    fn numbers(r: Self::Impulse) -> impl Iterator<Item = f64>;
 }
 
 /// H and the law of a contact between a candidate i and an antagonist j, which at a wall is at rest.
@@ -48,10 +45,6 @@ pub struct Normal<const D: usize>(SVector<f64, D>);
 
 impl<const D: usize> Stages for Smooth<D> {
     type Form = Normal<D>;
-
-    fn numbers(r: f64) -> impl Iterator<Item = f64> {
-        std::iter::once(r)
-    }
 }
 
 impl<const D: usize> Form<Smooth<D>> for Normal<D> {
@@ -127,10 +120,6 @@ where
     Rough<D>: Pair<D, Velocity = SVector<f64, N>>,
 {
     type Form = Rubbing<D>;
-
-    fn numbers(r: SVector<f64, D>) -> impl Iterator<Item = f64> {
-        (0..D).map(move |k| r[k])
-    }
 }
 
 impl<const D: usize, const N: usize> Form<Rough<D>> for Rubbing<D>

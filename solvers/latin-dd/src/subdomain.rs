@@ -220,8 +220,8 @@ impl<M: Stages<Velocity = SVector<f64, D>>, const D: usize> Latin<M, D> {
         };
         let contacts = self.contacts.iter().zip(&self.t).flat_map(move |(contact, t)| {
             let (v, terms) = (contact.relative(&self.velocity), contact.terms(&self.velocity));
-            let directions = M::numbers(contact.direction).zip(M::numbers(*t));
-            let unknowns = directions.zip(M::numbers(v)).zip(M::numbers(terms));
+            let directions = contact.direction.components().zip(t.components());
+            let unknowns = directions.zip(v.components()).zip(terms.components());
             unknowns
                 .filter(|(((mass, _), _), _)| *mass > 0.0)
                 .map(move |(((mass, t), v), terms)| of(mass, l_minus, t, v, terms))

@@ -36,11 +36,7 @@ pub(crate) fn arrays<M: Form>(problem: &Packing<M>) -> Global {
         M::Velocity::at(&list, 0)
     };
     let units: Vec<M::Velocity> = (0..size).map(unit).collect();
-    let numbers = |velocity: M::Velocity| {
-        let mut list = Vec::with_capacity(size);
-        velocity.each(&mut |x| list.push(x));
-        list
-    };
+    let numbers = |velocity: M::Velocity| velocity.components().collect::<Vec<_>>();
     let bodies = problem.grain_count();
     let mut mass = Triplets { rows: size * bodies, columns: size * bodies, entries: Vec::new() };
     let mut f = Vec::new();

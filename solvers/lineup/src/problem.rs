@@ -185,8 +185,8 @@ impl<M: Form> OneProblem for Frozen<M> {
         number(problem.grain_count() as f64);
         number(problem.contact_count() as f64);
         problem.mass().iter().for_each(|m| number(M::weight(*m)));
-        problem.position().iter().for_each(|x| x.each(number));
-        problem.free_velocity().iter().for_each(|v| v.each(number));
+        problem.position().iter().for_each(|x| x.components().for_each(&mut *number));
+        problem.free_velocity().iter().for_each(|v| v.components().for_each(&mut *number));
         if M::HAS_FRICTION {
             problem.mass().iter().for_each(|m| number(<M as Certified>::mass(*m).inertia));
         }
@@ -194,12 +194,12 @@ impl<M: Form> OneProblem for Frozen<M> {
             let (candidate, antagonist) = contact.ends();
             number(f64::from(candidate));
             number(antagonist.map_or(-1.0, f64::from));
-            contact.normal().each(number);
+            contact.normal().components().for_each(&mut *number);
             let (arms, friction) = (contact.arms(), contact.friction());
             if M::HAS_FRICTION {
-                arms.each(number);
+                arms.components().for_each(&mut *number);
             }
-            contact.offset().each(number);
+            contact.offset().components().for_each(&mut *number);
             if M::HAS_FRICTION {
                 number(friction);
             }
@@ -335,7 +335,5 @@ impl<M: Form> OneProblem for Frozen<M> {
 
 /// The numbers of all, one after the other.
 pub(crate) fn flat<V: Vector>(list: impl IntoIterator<Item = V>) -> Vec<f64> {
-    let mut numbers = Vec::new();
-    list.into_iter().for_each(|vector| vector.each(&mut |x| numbers.push(x)));
-    numbers
+    list.into_iter().flat_map(V::components).collect()
 }

@@ -23,7 +23,7 @@ impl<V: Vector> Sendable for V {
     const NUMBERS: usize = V::LEN;
 
     fn write(self, numbers: &mut Vec<f64>) {
-        self.each(&mut |x| numbers.push(x));
+        numbers.extend(self.components());
     }
 
     fn read(numbers: &[f64]) -> Self {

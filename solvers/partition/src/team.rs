@@ -54,6 +54,8 @@ pub struct Traffic {
     pub waiting_ns: u64,
 }
 
+contact::added!(Traffic: messages, bytes, waiting_ns);
+
 impl Traffic {
     /// Returns the traffic added since `before`.
     #[must_use]

@@ -30,7 +30,7 @@ impl<V: Vector> Sendable for Next<V> {
 
     fn write(self, numbers: &mut Vec<f64>) {
         numbers.push(self.contact);
-        self.push.each(&mut |x| numbers.push(x));
+        numbers.extend(self.push.components());
     }
 
     fn read(numbers: &[f64]) -> Self {

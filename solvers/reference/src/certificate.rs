@@ -210,19 +210,12 @@ fn speed<M: Certified>(velocity: &M::Velocity) -> f64 {
 
 /// The greatest size of a component.
 fn greatest_of<V: Vector>(list: V) -> f64 {
-    let mut found = 0.0;
-    list.each(&mut |x| found = greatest([found, x.abs()].into_iter()));
-    found
+    greatest(list.components().map(f64::abs))
 }
 
 /// The size of all components but the first, the normal one.
 fn tangential<V: Vector>(list: V) -> f64 {
-    let (mut squares, mut is_first) = (0.0, true);
-    list.each(&mut |x| {
-        squares += if is_first { 0.0 } else { x * x };
-        is_first = false;
-    });
-    f64::sqrt(squares)
+    f64::sqrt(list.components().skip(1).fold(0.0, |squares, x| squares + x * x))
 }
 
 /// Returns the residual of M (V − `V_free`) = H r at each grain.

@@ -42,10 +42,7 @@ impl Iteration for Counted<'_> {
     fn advance(&mut self) {
         let before = self.team.traffic();
         self.iteration.advance();
-        let since = self.team.traffic().since(&before);
-        self.traffic.messages += since.messages;
-        self.traffic.bytes += since.bytes;
-        self.traffic.waiting_ns += since.waiting_ns;
+        self.traffic += self.team.traffic().since(&before);
     }
 
     fn impulses(&self, r: &mut [f64]) {
@@ -133,31 +130,10 @@ pub fn solve_on_ranks<M: Mechanics>(
 
 /// The work of all ranks; a product W p is one of all.
 fn of_all(work: Work, team: &Team) -> Work {
-    let Work { contact_updates, delassus_products, interface_values, triangular_solve_entries, .. } = work;
-    let Work { factorisations, factorisation_multiply_adds, .. } = work;
-    let own = [
-        contact_updates,
-        interface_values,
-        triangular_solve_entries,
-        factorisations,
-        factorisation_multiply_adds,
-    ];
+    let own = work.named().map(|(_, count)| count as f64);
     let first = team.mine().start;
     // Exact below 2⁵³.
-    let own = team.mine().map(|e| if e == first { own.map(|count| count as f64) } else { [0.0; 5] });
-    let [
-        contact_updates,
-        interface_values,
-        triangular_solve_entries,
-        factorisations,
-        factorisation_multiply_adds,
-    ] = team.sum(own).map(|count| count as u64);
-    Work {
-        contact_updates,
-        delassus_products,
-        interface_values,
-        triangular_solve_entries,
-        factorisations,
-        factorisation_multiply_adds,
-    }
+    let own = team.mine().map(|e| if e == first { own } else { [0.0; 6] });
+    let all = Work::of(team.sum(own).map(|count| count as u64));
+    Work { delassus_products: work.delassus_products, ..all }
 }
