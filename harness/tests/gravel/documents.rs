@@ -57,6 +57,19 @@ fn generated_blocks_are_what_the_program_prints() {
     assert!(all >= 4, "{all} generated blocks");
 }
 
+#[test]
+fn readme_has_as_many_problems_as_the_page_that_it_names() {
+    let after = |page: &str, words: &str| -> u32 {
+        let (_, rest) = page.split_once(words).unwrap();
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let on_page = after(&page("reports/which-method.md"), "The rows are of ");
+    assert_eq!(
+        after(&page("README.md"), "[Which method for which problem](reports/which-method.md) has "),
+        on_page
+    );
+}
+
 /// The first block of this language on a page.
 fn block(page: &str, language: &str) -> String {
     let (_, rest) = page.split_once(&format!("```{language}\n")).unwrap();
