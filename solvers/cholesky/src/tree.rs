@@ -6,7 +6,7 @@ use contact::threads;
 /// Multiply-adds of a subtree that are worth a thread.
 const WORTH_A_THREAD: u64 = 1_000_000;
 
-/// What a supernode leaves to its parent: (D × rows)², column by column.
+/// Update of a supernode to its parent: (D × rows)², column by column.
 pub(crate) type Left = Vec<f64>;
 
 /// Supernode k, the top of a subtree; the memory of the subtree; and what it leaves to its parent.
