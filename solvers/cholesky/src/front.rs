@@ -108,7 +108,7 @@ pub(crate) struct Product<'m> {
     pub(crate) left: Entries<'m>,
     pub(crate) right: Entries<'m>,
     pub(crate) depth: usize,
-    /// The row from which on it counts; none for the lower triangle.
+    /// First row that counts; none for the lower triangle.
     pub(crate) rows_from: Option<usize>,
 }
 

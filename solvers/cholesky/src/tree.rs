@@ -26,8 +26,10 @@ impl Memory for &mut [f64] {
 
 /// Matrix that is factorised front by front.
 pub(crate) trait Fronts<const D: usize>: Sync {
+    /// Memory of its factors.
     type Memory<'v>: Memory;
 
+    /// Returns the structure of its factors.
     fn structure(&self) -> &Structure<D>;
 
     /// Assembles the front of supernode `k` with what its `children` left, and eliminates its own columns; `false` where one has no pivot.

@@ -77,7 +77,7 @@ impl Front<'_> {
             let depth = to - from;
             let (done, ahead) = self.lower.split_at_mut(to * rows);
             let left = Entries { of: &done[from * rows..], rows };
-            // Rows of U, of which the own columns are not side by side.
+            // Rows of U in the own columns, entries of which lie a column apart.
             ahead_of_panel.clear();
             for row in from..to {
                 ahead_of_panel.extend(ahead.chunks_exact(rows).map(|column| column[row]));
