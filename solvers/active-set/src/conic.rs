@@ -67,7 +67,7 @@ where
 }
 
 /// Steps without progress, after which nothing leads on: a residual below all before in a convex programme, half of it for the law itself.
-/// With 12 steps, as with 24, all of 15 packings of 1,000 to 4,000 grains at rest come to 1e-4; with 8 one does not.
+/// With 12 steps, as with 24, all of 15 packings of 991 to 4,000 grains at rest come to 1e-4; with 8 one does not.
 const PATIENCE: u32 = 12;
 
 /// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
