@@ -3,9 +3,9 @@
 use crate::friction::{given, rough, with_friction};
 use crate::problems::frozen_path;
 use active_set::ActiveSet;
-use contact::{Packing, RoughContact, RoughDiscs, RoughMass, Solver};
+use contact::{Packing, RoughContact, RoughDiscs, RoughMass, RoughSpheres, Solver};
 use jacobi::Jacobi;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix4, Vector2, Vector3, Vector6};
 use nsgs::Nsgs;
 use reference::{
     Existence, Isolation, certify, distance, existence, is_same, isolation, polished, solve_rough,
@@ -75,6 +75,66 @@ fn a_solution_is_isolated_where_no_status_is_about_to_change_and_no_impulse_is_f
     let corner = [(FLOOR, [0.0, 0.0]), ([1.0, 0.0], [0.0, 0.0])];
     let wedged = of(&disc(Vector3::new(-1.0, -1.0, 0.0), &corner, 0.9));
     assert!(!wedged.is_isolated() && wedged.least_singular_value < 1e-12, "{wedged:?}");
+}
+
+#[test]
+fn in_space_the_derivative_of_a_turning_contact_is_that_of_the_law() {
+    // A ball slides along a floor and a wall, and spins at both.
+    let contact = |normal: Vector3<f64>| RoughContact {
+        candidate: 0,
+        antagonist: None,
+        normal,
+        arms: Vector2::new(0.5, 0.0),
+        offset: Vector3::zeros(),
+        friction: 0.2,
+    };
+    let mass = RoughMass { mass: 1.0, inertia: 0.1 };
+    let free = Vector6::new(-0.6, -1.0, 2.0, 0.3, 0.2, -0.4);
+    let walls = vec![contact(Vector3::y()), contact(Vector3::x())];
+    let problem =
+        Packing::<RoughSpheres>::new(vec![mass], vec![Vector3::zeros()], vec![free], walls).unwrap();
+    let stop = Stop { tolerance: 1e-14, ..Stop::default() };
+    let r = solve(&Nsgs::default(), &problem, &[0.0; 6], &stop, &mut |_| {}).unwrap().impulses;
+    let found = isolation(&problem, &r);
+    assert!(found.is_isolated() && found.unknowns == 4 && found.curvature > 1.0, "{found:?}");
+    // By differences of R(ξ) = v(s(ξ)) − s(ξ) + ξ along the normal and across the direction of each contact, with ξ = s − v.
+    let weight: Vec<f64> = problem.delassus_diagonal().iter().map(|w| w.sqrt()).collect();
+    let v_of = |s: &[f64]| -> Vec<f64> {
+        let r: Vec<f64> = s.iter().zip(&weight).map(|(s, w)| s / w).collect();
+        let (mut velocity, mut v) = (vec![Vector6::zeros()], vec![0.0; 6]);
+        problem.velocity(&r, &mut velocity);
+        problem.relative_velocity(&velocity, &mut v);
+        v.iter().zip(&weight).map(|(v, w)| v / w).collect()
+    };
+    let s: Vec<f64> = r.iter().zip(&weight).map(|(r, w)| r * w).collect();
+    let xi: Vec<f64> = s.iter().zip(&v_of(&s)).map(|(s, v)| s - v).collect();
+    let bound: Vec<f64> = (0..2).map(|k| 0.2 * weight[3 * k + 1] / weight[3 * k]).collect();
+    let residual = |xi: &[f64]| -> Vec<f64> {
+        let mut s = xi.to_vec();
+        for (s, bound) in s.chunks_mut(3).zip(&bound) {
+            let share = bound * s[0] / s[1].hypot(s[2]);
+            s[1..].iter_mut().for_each(|s| *s *= share);
+        }
+        v_of(&s).iter().zip(&s).zip(xi).map(|((v, s), xi)| v - s + xi).collect()
+    };
+    let across = |k: usize| {
+        let size = xi[3 * k + 1].hypot(xi[3 * k + 2]);
+        let mut across = [0.0; 6];
+        (across[3 * k + 1], across[3 * k + 2]) = (-xi[3 * k + 2] / size, xi[3 * k + 1] / size);
+        across
+    };
+    let normal = |k: usize| std::array::from_fn::<f64, 6, _>(|at| f64::from(u8::from(at == 3 * k)));
+    let axes = [normal(0), across(0), normal(1), across(1)];
+    let step = 1e-6;
+    let moved = |axis: &[f64; 6], step: f64| -> Vec<f64> {
+        residual(&xi.iter().zip(axis).map(|(xi, a)| xi + step * a).collect::<Vec<_>>())
+    };
+    let derivative = Matrix4::from_fn(|row, col| {
+        let difference = moved(&axes[col], step).into_iter().zip(moved(&axes[col], -step));
+        difference.zip(axes[row]).map(|((a, b), axis)| (a - b) * axis).sum::<f64>() / (2.0 * step)
+    });
+    let least = derivative.singular_values().min();
+    assert!((least - found.least_singular_value).abs() < 1e-6, "{least}: {found:?}");
 }
 
 #[test]

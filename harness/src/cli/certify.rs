@@ -5,11 +5,8 @@ use crate::root::Root;
 use crate::terminal::{exit, progress, say};
 use anyhow::Result;
 use cases::AnyFrozen;
-use contact::{Packing, RoughDiscs};
-use lineup::{Law, OneProblem};
-use reference::{
-    Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, SEARCHES, isolation,
-};
+use lineup::{Frictional, Law, OneProblem};
+use reference::{Certificate, ENERGY_ROUND_OFF, Existence, Isolation, ROUND_OFF, RoughSolution, SEARCHES};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -58,13 +55,13 @@ pub(crate) fn run(root: &Root, args: &Args) -> Result<ExitCode> {
     let r = given.as_ref().map(|(_, r)| &**r);
     match problem.law() {
         Law::Frictionless(_) => say_one(problem, &solutions, &why, r)?,
-        Law::Frictional { problem: law, discs } => {
+        Law::Frictional(law) => {
             say(format_args!("{}", existence_in_words(law.existence())))?;
             if args.continuation && !solutions.iter().any(|solution| solution.certificate.certified()) {
                 let bar = progress::bar(SEARCHES, "searches");
                 solutions = law.continued(&mut || bar.inc(1)).map_or(solutions, |found| vec![found]);
             }
-            say_several(problem, discs, &solutions, r)?;
+            say_several(problem, law, &solutions, r)?;
         }
     }
     // Where there is a solution, the given impulses are what is asked about; `take` keeps no other beside one that is certified.
@@ -96,7 +93,7 @@ fn say_one(
 /// Prints each solution of a problem with friction, and how far apart they are.
 fn say_several(
     problem: &dyn OneProblem,
-    discs: Option<&Packing<RoughDiscs>>,
+    law: &dyn Frictional,
     pool: &[RoughSolution],
     given: Option<&[f64]>,
 ) -> Result<()> {
@@ -113,14 +110,9 @@ fn say_several(
         if given.is_none() {
             print(&solution.certificate)?;
         }
-        if solution.certificate.certified()
-            && let Some(discs) = discs
-        {
-            say(format_args!("  {}", isolation_in_words(&isolation(discs, &solution.impulses))))?;
+        if solution.certificate.certified() {
+            say(format_args!("  {}", isolation_in_words(&law.isolation(&solution.impulses))))?;
         }
-    }
-    if discs.is_none() {
-        say(format_args!("whether a solution stands alone is looked into between discs alone"))?;
     }
     if pool.len() > 1 {
         let all: Vec<&[f64]> = pool.iter().map(|solution| &*solution.impulses).collect();
@@ -148,9 +140,13 @@ fn existence_in_words(existence: Option<Existence>) -> &'static str {
 /// Returns, in words, whether a solution is isolated.
 fn isolation_in_words(isolation: &Isolation) -> String {
     let Isolation { margin, least_singular_value, unknowns, .. } = isolation;
-    let word = if isolation.is_isolated() { "isolated" } else { "not known to be isolated" };
+    let (word, near) = if isolation.is_isolated() {
+        ("isolated", format!(", the solution is within {:.1e}", isolation.error()))
+    } else {
+        ("not known to be isolated", String::new())
+    };
     format!(
-        "{word}: a status changes at {margin:.1e} of the scale, the matrix of the statuses has {unknowns} unknowns and the \
+        "{word}: a status changes at {margin:.1e} of the scale{near}; the matrix of the statuses has {unknowns} unknowns and the \
          least singular value {least_singular_value:.1e}"
     )
 }

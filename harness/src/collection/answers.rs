@@ -156,7 +156,7 @@ impl Answers {
             Self::Ray(ray) => {
                 let proves = match problem.law() {
                     Law::Frictionless(law) => law.proves_infeasible(ray),
-                    Law::Frictional { problem: law, .. } => law.proves_infeasible(ray),
+                    Law::Frictional(law) => law.proves_infeasible(ray),
                 };
                 ensure!(proves, "the stored ray does not prove that there is no solution");
                 none

@@ -44,7 +44,7 @@ pub(crate) fn sought(problem: &Problem) -> Result<(Answers, String)> {
             };
             Ok((answers, how.to_owned()))
         }
-        Law::Frictional { problem: law, .. } => match law.ray() {
+        Law::Frictional(law) => match law.ray() {
             Some(ray) => Ok((Answers::Ray(ray), "exact arithmetic on the normal parts".to_owned())),
             None => with_friction(problem, grains, law),
         },

@@ -239,7 +239,7 @@ impl Submission {
         answers: &Answers,
     ) -> Result<Option<(Answers, &'static str)>> {
         let frictional = match problem.law() {
-            Law::Frictional { problem, .. } => Some(problem),
+            Law::Frictional(problem) => Some(problem),
             Law::Frictionless(_) => None,
         };
         let polished = || frictional.and_then(|law| law.polished(&self.impulse)).map(|found| found.impulses);

@@ -84,7 +84,7 @@ pub(crate) fn polished_to(
     if known.nearest().is_none() {
         return Ok(None);
     }
-    let Law::Frictional { problem: law, .. } = problem.law() else { return Ok(None) };
+    let Law::Frictional(law) = problem.law() else { return Ok(None) };
     let Some(found) = law.polished(r) else { return Ok(None) };
     let by = problem.distance(&found.impulses, r);
     let is_known = known.impulses.iter().any(|known| is_same(problem.distance(known, &found.impulses)));

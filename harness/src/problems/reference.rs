@@ -81,7 +81,7 @@ pub(crate) struct Found {
 /// Returns the solutions of a problem, with friction those of its pool after so many starts; none if it is proved to have none.
 pub(crate) fn found(root: &Root, problem: &dyn OneProblem, starts: u64) -> Result<Option<Found>> {
     let (impulses, certificate, why) = match problem.law() {
-        Law::Frictional { problem: law, .. } => {
+        Law::Frictional(law) => {
             let pool = pool(root, problem, law, starts)?;
             return Ok(pool.map(|solutions| Found { solutions, why: String::new() }));
         }

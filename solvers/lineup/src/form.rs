@@ -4,9 +4,10 @@ use active_set::ActiveSet;
 use analysis::{Bounded, Spectrum, proves_infeasible};
 use anyhow::{Result, ensure};
 use cases::Marched;
-use contact::{Mechanics, Packing, Rough, RoughDiscs, Smooth, Solver, Touch, Vector};
-use reference::{Answer, Certified, Existence, Provable, RoughSolution, continued, polished, solve_rough};
-use std::any::Any;
+use contact::{Mechanics, Packing, Rough, Smooth, Solver, Touch, Vector};
+use reference::{
+    Answer, Certified, Existence, Isolation, Provable, RoughSolution, continued, polished, solve_rough,
+};
 use std::ops::RangeInclusive;
 
 /// A mechanics in which problems are solved, marched and certified.
@@ -30,7 +31,7 @@ where
     Packing<Self>: Frictional,
 {
     fn under(problem: &Packing<Self>) -> Law<'_> {
-        Law::Frictional { problem, discs: (problem as &dyn Any).downcast_ref() }
+        Law::Frictional(problem)
     }
 }
 
@@ -46,12 +47,7 @@ pub enum Law<'p> {
     /// The Signorini condition.
     Frictionless(&'p dyn Frictionless),
     /// The Signorini condition and Coulomb's law.
-    Frictional {
-        /// The problem.
-        problem: &'p dyn Frictional,
-        /// The problem, if it is between discs.
-        discs: Option<&'p Packing<RoughDiscs>>,
-    },
+    Frictional(&'p dyn Frictional),
 }
 
 /// A problem without friction, whose solutions have one velocity.
@@ -104,6 +100,9 @@ pub trait Frictional {
     /// Returns the reason why it is known to have a solution: [`reference::existence`].
     fn existence(&self) -> Option<Existence>;
 
+    /// Returns the isolation of the solution `r` (N·s) from others: [`reference::isolation`].
+    fn isolation(&self, r: &[f64]) -> Isolation;
+
     /// Returns the certified solution to which the end of a run (N·s) is polished, if there is one: [`polished`].
     fn polished(&self, r: &[f64]) -> Option<RoughSolution>;
 
@@ -129,6 +128,10 @@ where
 
     fn existence(&self) -> Option<Existence> {
         M::existence(self)
+    }
+
+    fn isolation(&self, r: &[f64]) -> Isolation {
+        M::isolation(self, r)
     }
 
     fn polished(&self, r: &[f64]) -> Option<RoughSolution> {

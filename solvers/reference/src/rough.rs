@@ -2,7 +2,7 @@
 //! velocities are unique.
 
 use crate::certificate::{Certificate, Certified, certify};
-use crate::{Answer, Existence, existence, solve};
+use crate::{Answer, Existence, Isolation, existence, isolation, solve};
 use active_set::{ActiveSet, Start};
 use analysis::proves_infeasible;
 use contact::{
@@ -26,6 +26,9 @@ pub trait Provable: Certified<Mass = RoughMass> {
     /// Returns the reason why `problem` is known to have a solution: [`existence`].
     fn existence(problem: &Packing<Self>) -> Option<Existence>;
 
+    /// Returns the isolation of a solution `r` (N·s) from others: [`isolation`].
+    fn isolation(problem: &Packing<Self>, r: &[f64]) -> Isolation;
+
     /// Returns `problem` with all offsets so many `times` as large, if these are numbers.
     fn with_offsets(problem: &Packing<Self>, times: f64) -> Option<Packing<Self>>;
 }
@@ -44,6 +47,10 @@ where
 
     fn existence(problem: &Packing<Self>) -> Option<Existence> {
         existence(problem)
+    }
+
+    fn isolation(problem: &Packing<Self>, r: &[f64]) -> Isolation {
+        isolation(problem, r)
     }
 
     fn with_offsets(problem: &Packing<Self>, times: f64) -> Option<Packing<Self>> {
