@@ -1,8 +1,8 @@
 //! `gravel collection`: problems with ids, and what is known of their solutions.
 
 use crate::collection::{
-    About, Collection, Entry, Foreign, Recipe, State, Status, Submission, checked, distance, orphans,
-    submitted,
+    About, Collection, Entry, Foreign, Recipe, Standing, State, Status, Submission, checked, distance,
+    orphans, submitted,
 };
 use crate::exchange::is_foreign;
 use crate::in_one_paragraph;
@@ -13,6 +13,7 @@ use crate::terminal::{is_one_file, progress, read_text, say, say_table};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
 use lineup::{Posed, content_hash, hash_of};
+use results::Median;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -52,11 +53,14 @@ struct List {
     #[arg(long, value_name = "KEY=PATTERN", value_parser = key_value)]
     only: Vec<(String, String)>,
     /// Print ids alone: of a hidden collection they may be published, and promise what it holds
-    #[arg(long, conflicts_with = "summary")]
+    #[arg(long, conflicts_with_all = ["summary", "spread"])]
     ids: bool,
     /// Print a Markdown table of the numbers of problems of each mechanics, size and state, by status
-    #[arg(long)]
+    #[arg(long, conflicts_with = "spread")]
     summary: bool,
+    /// Print a Markdown table of how far apart in velocity the known solutions with friction are, by mechanics, state and μ
+    #[arg(long)]
+    spread: bool,
 }
 
 #[derive(clap::Args)]
@@ -122,6 +126,9 @@ impl List {
         if self.summary {
             return summary(&entries);
         }
+        if self.spread {
+            return spread(&entries);
+        }
         for entry in &entries {
             say(format_args!(
                 "{}  {:<11} {}; {}",
@@ -181,6 +188,42 @@ fn summary(entries: &[Entry]) -> Result<()> {
     let headings =
         [&["mechanics", "grains", "state", "problems"][..], &Status::ALL.map(Status::name)].concat();
     say_table(&headings, &rows)
+}
+
+/// Prints the spread of the solutions of problems with one μ, by mechanics, state and μ: the least, the median and the greatest of those with
+/// several.
+fn spread(entries: &[Entry]) -> Result<()> {
+    let mut groups: BTreeMap<(&str, State, String), Vec<&Standing>> = BTreeMap::new();
+    for Entry { mechanics, grains, state, friction: [least, greatest], known, .. } in entries {
+        if *grains > 0 && least == greatest && *greatest > 0.0 {
+            groups.entry((mechanics, *state, greatest.to_string())).or_default().push(known);
+        }
+    }
+    let row = |((mechanics, state, friction), known): (&(&str, State, String), &Vec<&Standing>)| {
+        let of = |least: usize| known.iter().filter(|known| known.solutions >= least).count().to_string();
+        let spreads: Vec<f64> = known.iter().filter_map(|known| known.spread).collect();
+        let text = |spread: Option<f64>| spread.map_or_else(String::new, |spread| format!("{spread:.1e}"));
+        let [least, greatest] = [f64::min, f64::max].map(|of| text(spreads.iter().copied().reduce(of)));
+        let median = Median::of(spreads).map(|of| of.median);
+        let [mechanics, state] = [*mechanics, state.name()].map(str::to_owned);
+        let counts = [known.len().to_string(), of(1), of(2)];
+        [[mechanics, state, friction.clone()], counts, [least, text(median), greatest]].concat()
+    };
+    let rows: Vec<Vec<String>> = groups.iter().map(row).collect();
+    say_table(
+        &[
+            "mechanics",
+            "state",
+            "μ",
+            "problems",
+            "certified",
+            "several",
+            "least spread",
+            "median",
+            "greatest",
+        ],
+        &rows,
+    )
 }
 
 fn show(collection: &Collection, id: &str) -> Result<()> {

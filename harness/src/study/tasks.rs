@@ -6,6 +6,7 @@ use crate::run::{Conditions, How, Task, in_parallel};
 use crate::study::Selection;
 use crate::terminal::{Bars, exit};
 use anyhow::Result;
+use results::Median;
 use results::journal::Entry;
 use results::study::Study as Rows;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -101,7 +102,6 @@ pub(crate) fn left_s<W>(missing: &[Task<W>], records: &[impl Entry]) -> Option<f
     missing.iter().map(|task| of_method.get(task.variant.method.name).copied().flatten().or(all)).sum()
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+fn median(values: Vec<f64>) -> Option<f64> {
+    Median::of(values).map(|of| of.median)
 }
