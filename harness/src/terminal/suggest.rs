@@ -5,8 +5,9 @@ use regex::{Captures, Regex};
 /// Names that are less alike than this are not meant for each other (Jaro and Winkler's similarity, 1 for equal names).
 const ALIKE: f64 = 0.8;
 
-/// Greatest number of names that an error lists in full, and that of the most similar ones which it lists of more.
-const FITS: usize = 80;
+/// Greatest length of a list of names that an error gives in full, half a screen in characters, and how many of the most similar names it
+/// gives of a longer one.
+const FITS: usize = 1200;
 const SHOWN: usize = 8;
 
 /// Names that other codes and papers have for the methods and keys of this one.
@@ -59,7 +60,7 @@ fn means(given: &str, known: &str) -> bool {
 pub(crate) fn among<'a>(what: &str, given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let mut list: Vec<&str> = known.clone().into_iter().collect();
     let mut how_many = String::new();
-    if list.len() > FITS {
+    if list.iter().map(|name| name.len() + ", ".len()).sum::<usize>() > FITS {
         how_many = format!("{}, such as ", list.len());
         list.sort_by(|a, b| strsim::jaro_winkler(given, b).total_cmp(&strsim::jaro_winkler(given, a)));
         list.truncate(SHOWN);
