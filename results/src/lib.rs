@@ -19,5 +19,5 @@ pub mod study;
 mod tests;
 pub mod whole;
 
-pub use median::Median;
+pub use median::{Median, median};
 pub use reached::{STAYED, reached};

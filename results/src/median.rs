@@ -40,6 +40,11 @@ impl Median {
     }
 }
 
+/// Returns the middle value; the mean of the two in the middle of an even number; none without values.
+pub fn median(values: Vec<f64>) -> Option<f64> {
+    Median::of(values).map(|of| of.median)
+}
+
 #[cfg(test)]
 mod tests {
     use super::Median;

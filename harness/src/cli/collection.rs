@@ -13,7 +13,7 @@ use crate::terminal::{is_one_file, progress, read_text, say, say_table};
 use anyhow::{Context, Result, bail, ensure};
 use cases::AnyFrozen;
 use lineup::{Posed, content_hash, hash_of};
-use results::Median;
+use results::median;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -204,10 +204,9 @@ fn spread(entries: &[Entry]) -> Result<()> {
         let spreads: Vec<f64> = known.iter().filter_map(|known| known.spread).collect();
         let text = |spread: Option<f64>| spread.map_or_else(String::new, |spread| format!("{spread:.1e}"));
         let [least, greatest] = [f64::min, f64::max].map(|of| text(spreads.iter().copied().reduce(of)));
-        let median = Median::of(spreads).map(|of| of.median);
         let [mechanics, state] = [*mechanics, state.name()].map(str::to_owned);
         let counts = [known.len().to_string(), of(1), of(2)];
-        [[mechanics, state, friction.clone()], counts, [least, text(median), greatest]].concat()
+        [[mechanics, state, friction.clone()], counts, [least, text(median(spreads)), greatest]].concat()
     };
     let rows: Vec<Vec<String>> = groups.iter().map(row).collect();
     say_table(
@@ -216,7 +215,7 @@ fn spread(entries: &[Entry]) -> Result<()> {
             "state",
             "μ",
             "problems",
-            "certified",
+            "with a solution",
             "several",
             "least spread",
             "median",

@@ -6,8 +6,8 @@ use crate::run::{Conditions, How, Task, in_parallel};
 use crate::study::Selection;
 use crate::terminal::{Bars, exit};
 use anyhow::Result;
-use results::Median;
 use results::journal::Entry;
+use results::median;
 use results::study::Study as Rows;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::{Mutex, PoisonError};
@@ -100,8 +100,4 @@ pub(crate) fn left_s<W>(missing: &[Task<W>], records: &[impl Entry]) -> Option<f
     let of_method: BTreeMap<&str, Option<f64>> =
         of_methods.into_iter().map(|(method, seconds)| (method, median(seconds))).collect();
     missing.iter().map(|task| of_method.get(task.variant.method.name).copied().flatten().or(all)).sum()
-}
-
-fn median(values: Vec<f64>) -> Option<f64> {
-    Median::of(values).map(|of| of.median)
 }

@@ -1,11 +1,6 @@
 //! Small statistics of what is drawn.
 
-use results::Median;
-
-/// The middle value; the mean of the two in the middle of an even number; none without values.
-pub(crate) fn median(values: Vec<f64>) -> Option<f64> {
-    Median::of(values).map(|of| of.median)
-}
+pub(crate) use results::median;
 
 /// The mean of a sample of a normal distribution, between the bounds of its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

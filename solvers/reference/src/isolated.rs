@@ -89,28 +89,20 @@ where
         }
         let (moved, friction) = (s - v, column.friction());
         margin = margin.min(moved[0].abs());
-        let status = Status::of(s, v, friction);
-        if status == Status::Open {
-            continue;
-        }
-        let (along, size) = tangential(moved);
-        if friction > 0.0 {
-            margin = margin.min((size - friction * moved[0]).abs() / friction.hypot(1.0));
-        }
-        edge = edge.max(friction.hypot(1.0));
+        let size = tangential(moved).1;
         let mut add = |push: SVector<f64, D>, pull: SVector<f64, D>, own: f64| {
             let [push, pull] = [push, pull].map(|of| column.pushes(of));
             unknowns.push((column.places(), Unknown { push, pull, own }));
         };
-        match status {
-            Status::Open => {}
+        match Status::of(s, v, friction) {
+            Status::Open => continue,
             Status::Stick => (0..D).for_each(|of| add(unit(of), unit(of), 0.0)),
-            Status::Slide(_) => {
-                let along = if size > 0.0 { along / size } else { along };
+            Status::Slide(slide) => {
+                let along = slide.along;
                 add(unit(0) + friction * along, unit(0), 0.0);
-                // ρ v + (1 − ρ) s = 0 across the direction, with ρ = μ s_n/|ξ_t| and ξ = s − v.
-                let share = if size > 0.0 { friction * moved[0] / size } else { 0.0 };
-                if D == 3 && share > 0.0 {
+                if D == 3 && friction > 0.0 {
+                    // ρ v + (1 − ρ) s = 0 across the direction, with ρ = μ s_n/|ξ_t| and ξ = s − v.
+                    let share = friction * moved[0] / size;
                     let mut across = SVector::zeros();
                     (across[1], across[D - 1]) = (-along[D - 1], along[1]);
                     add(across * share, across, 1.0 - share);
@@ -118,6 +110,10 @@ where
                 }
             }
         }
+        if friction > 0.0 {
+            margin = margin.min((size - friction * moved[0]).abs() / friction.hypot(1.0));
+        }
+        edge = edge.max(friction.hypot(1.0));
     }
     let scale = problem.scale().sqrt();
     let freedom = N * problem.grain_count();
