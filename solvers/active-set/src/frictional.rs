@@ -3,35 +3,33 @@
 //! Nothing is minimised, and no method is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
 //! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
-//! Where sweeps stall, proximal points follow from the best impulses. An interior point, which begins far away and mostly comes near at
-//! rest, has its turn once they have taken the time that it takes; points resume from what it finds, if that leaves a tenth of theirs: on small
-//! packings and from a warm start they lead on by themselves. Where they stall too, that is the floor, and the end. Where factors do not
-//! fit in memory, sweeps are the only stage.
+//! Where sweeps stall, convex programmes follow: at rest they come near, for the grains that do not move, while sweeps settle those that
+//! do. Then proximal points, from what the programmes find, if that leaves a tenth of what the sweeps left. Where they stall too, that is the
+//! floor, and the end. Where factors do not fit in memory, sweeps are the only stage.
 
 mod exact;
 mod matrix;
 mod newton;
 mod path;
 mod points;
+mod programmes;
 mod whole;
 
-use crate::conic::Conic;
-use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, STEPS, Start, accelerated};
+use crate::start::{ACCURACY_OF_DEARER, LOOK, RUNG, Start, accelerated};
 use crate::{ActiveSet, Best};
 use contact::{Frictional, Iteration, Packing, Rough, RoughDiscs, RoughSpheres, SetupError, Solver, Work};
 use exact::Exact;
 use nalgebra::SVector;
 use newton::{Newton, Step};
 use points::{Approach, PointSolver, Points};
+use programmes::Programmes;
 use whole::Whole;
 
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
 
-/// Steps towards proximal points after which an interior point has its turn: they take as long as its own.
-const TURN: u32 = STEPS as u32;
-
-/// Largest residual of the law at an end where no step reduces it, over the problem's scale (–): else it is no end.
+/// Residual of the law over the problem's scale (–) at which Newton's method follows proximal points, and which is an end where no step
+/// reduces it.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Phase of an iteration.
@@ -39,8 +37,8 @@ const ROUND_OFF: f64 = 1e-12;
 enum Phase {
     /// Accelerated sweeps.
     Sweeps,
-    /// An interior point.
-    Interior,
+    /// Convex programmes.
+    Programmes,
     /// Proximal points.
     Proximal,
     /// Newton's method.
@@ -62,12 +60,10 @@ where
     halved: (f64, u64),
     newton: Newton<D, N>,
     problem: &'p Packing<Rough<D>>,
-    /// Interior point on Coulomb's law, once it has begun.
-    interior: Option<Conic<D, N>>,
+    /// Convex programmes, once they have begun.
+    programmes: Option<Programmes<D, N>>,
     /// Proximal points, once sweeps have stalled.
     points: Option<Points<P, D, N>>,
-    /// Steps towards them.
-    approached: u32,
     phase: Phase,
     /// Next residual threshold (√J).
     rung: f64,
@@ -99,36 +95,39 @@ where
             self.best = Best { left, impulses: r };
             self.try_newton();
         } else if has_stalled || !left.is_finite() {
+            self.go_on_without_sweeps();
+        }
+    }
+
+    /// Convex programmes where sweeps have stalled; points, where there were any, or they do not fit in memory.
+    fn go_on_without_sweeps(&mut self) {
+        if self.programmes.is_some() || self.begin_programmes().is_err() {
             self.begin_points();
         }
     }
 
-    /// An interior point on the law itself.
-    fn begin_interior(&mut self) -> Result<(), SetupError> {
-        self.interior = Some(Conic::coulomb(self.problem, self.newton.structure()?)?);
-        self.phase = Phase::Interior;
+    fn begin_programmes(&mut self) -> Result<(), SetupError> {
+        self.programmes = Some(Programmes::new(self.problem)?);
+        self.phase = Phase::Programmes;
         Ok(())
     }
 
-    /// One step of the interior point, from the end of which points follow, or sweeps, if there were none.
-    fn interior(&mut self) {
-        let Some(interior) = &mut self.interior else { return };
-        if interior.step() {
+    /// One step of a programme. From the end of the last points follow; or sweeps, if there were none.
+    fn programme(&mut self) {
+        let Some(programmes) = &mut self.programmes else { return };
+        if programmes.advance(&mut self.newton) {
             return;
         }
-        let mut r = vec![0.0; self.best.impulses.len()];
-        interior.impulses(&mut r);
-        let left = self.newton.left_by(&r);
-        let is_nearer = left <= RUNG * self.best.left;
+        let is_nearer = programmes.best.left <= RUNG * self.best.left;
         if is_nearer {
-            self.best = Best { left, impulses: r };
+            self.best = programmes.best.clone();
         }
-        if self.points.is_none() {
-            if is_nearer { self.try_newton() } else { self.phase = Phase::Sweeps }
-        } else if is_nearer {
+        if self.swept > 0 {
             self.begin_points();
+        } else if is_nearer {
+            self.try_newton();
         } else {
-            self.phase = Phase::Proximal;
+            self.phase = Phase::Sweeps;
         }
     }
 
@@ -154,15 +153,10 @@ where
 
     /// One proximal point, or a step towards it.
     fn proximal(&mut self) {
+        let nearly = self.rung.min(ROUND_OFF * self.scale);
         let Some(points) = &mut self.points else { return };
-        match points.advance(&mut self.newton, &mut self.best, ROUND_OFF * self.scale) {
-            Approach::On => {
-                self.approached += 1;
-                // Where it does not fit in memory, points go on.
-                if self.interior.is_none() && self.approached == TURN {
-                    self.begin_interior().unwrap_or_default();
-                }
-            }
+        match points.advance(&mut self.newton, &mut self.best, nearly) {
+            Approach::On => {}
             Approach::Nearly => self.try_newton(),
             Approach::InVain => self.phase = Phase::Ended,
         }
@@ -177,13 +171,14 @@ where
         }
     }
 
-    /// One step of Newton's method. Where it stalls, sweeps resume at once: an iterate that stays would look like one that needs no
-    /// change.
+    /// One step of Newton's method. Where it stalls, points resume, if there were any, or sweeps, and these at once: an iterate that stays
+    /// would look like one that needs no change.
     fn newton_step(&mut self) {
         self.phase = match self.newton.advance(&mut self.best) {
             Step::Solved => Phase::Ended,
             Step::On => Phase::Newton,
-            Step::InVain if self.points.is_some() || self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
+            Step::InVain if self.points.is_some() => Phase::Proximal,
+            Step::InVain if self.best.left <= ROUND_OFF * self.scale => Phase::Ended,
             Step::InVain => {
                 self.due = Some(self.swept + self.wait());
                 self.phase = Phase::Sweeps;
@@ -200,7 +195,7 @@ where
     fn advance(&mut self) {
         match self.phase {
             Phase::Sweeps => self.sweep(),
-            Phase::Interior => self.interior(),
+            Phase::Programmes => self.programme(),
             Phase::Proximal => self.proximal(),
             Phase::Newton => self.newton_step(),
             Phase::Ended => {}
@@ -208,9 +203,11 @@ where
     }
 
     fn impulses(&self, r: &mut [f64]) {
-        match (self.phase, &self.interior) {
+        match (self.phase, &self.programmes) {
             (Phase::Sweeps, _) => self.sweeps.impulses(r),
-            (Phase::Interior, Some(interior)) if self.points.is_none() => interior.impulses(r),
+            (Phase::Programmes, Some(programmes)) if programmes.best.left < self.best.left => {
+                r.copy_from_slice(&programmes.best.impulses);
+            }
             _ => r.copy_from_slice(&self.best.impulses),
         }
     }
@@ -222,7 +219,7 @@ where
     fn work(&self) -> Work {
         let mut work = self.sweeps.work();
         work += self.newton.work();
-        self.interior.iter().for_each(|interior| work += interior.work());
+        self.programmes.iter().for_each(|programmes| work += programmes.work());
         work
     }
 }
@@ -249,9 +246,8 @@ impl ActiveSet {
             halved: (f64::INFINITY, 0),
             newton,
             problem,
-            interior: None,
+            programmes: None,
             points: None,
-            approached: 0,
             phase: Phase::Sweeps,
             rung: accuracy * scale,
             scale,
@@ -262,7 +258,7 @@ impl ActiveSet {
                 run.newton.prepare()?;
                 run.try_newton();
             }
-            Some(Start::InteriorPoint) => run.begin_interior()?,
+            Some(Start::InteriorPoint) => run.begin_programmes()?,
             _ => {}
         }
         Ok(Box::new(run))

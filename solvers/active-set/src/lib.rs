@@ -7,8 +7,8 @@
 //! than equilibrium needs, and chooses among their impulses those nearest to the given ones.
 //!
 //! An iteration is a sweep, a set, or a step of an interior point (`frictionless.rs`). With friction Newton's method on the statuses open,
-//! stick and slide takes the place of the set; where sweeps stall, proximal points and an interior point on Coulomb's law lead to where
-//! it ends (`frictional.rs`).
+//! stick and slide takes the place of the set; where sweeps stall, convex programmes and proximal points lead to where it ends
+//! (`frictional.rs`).
 
 mod cone;
 mod conic;
@@ -53,6 +53,7 @@ impl Default for ActiveSet {
 
 /// The impulses that leave least of the law, of all that were looked at: what the run shows, unless the start has its turn. Between good
 /// sets there are some that hold what cannot be held, with impulses beyond all measure.
+#[derive(Clone)]
 pub(crate) struct Best {
     /// Residual of these impulses (√J).
     left: f64,

@@ -1,8 +1,6 @@
-//! Known properties of the interior point on Coulomb's law and its convex neighbour.
+//! Known properties of the programmes.
 
-use super::{Conic, slope_of, smoothed};
-use crate::inner::ordered;
-use cholesky::Structure;
+use super::Conic;
 use contact::{Packing, RoughContact, RoughDiscs, RoughMass, Truth};
 use nalgebra::{Vector2, Vector3};
 
@@ -42,34 +40,16 @@ fn one_programme_lifts_a_disc_that_slides_and_the_fixed_point_lays_it_down() {
 }
 
 #[test]
-fn a_disc_slides_without_being_lifted_by_the_law_itself() {
+fn once_what_moves_is_settled_the_next_programme_has_its_velocities() {
     let friction = 0.2;
     let problem = sliding_disc(friction);
-    let (ends, order) = ordered(&problem).unwrap();
-    let mut law = Conic::<2, 3>::coulomb(&problem, &Structure::new(&ends, &order).unwrap()).unwrap();
-    while law.step() {}
+    let mut programmes = Conic::<2, 3>::relaxation(&problem).unwrap();
+    while programmes.step() {}
+    programmes.settle();
+    while programmes.step() {}
     let mut r = [0.0; 2];
-    law.impulses(&mut r);
+    programmes.impulses(&mut r);
     assert!((r[0] - 0.2).abs() < 1e-8 && (r[1].abs() - friction * 0.2).abs() < 1e-8, "{r:?}");
     let velocity = Truth::new(&problem, &r).velocity()[0];
     assert!(velocity.y.abs() < 1e-8 && (velocity.x - (3.0 - friction * 0.1)).abs() < 1e-8, "{velocity}");
-}
-
-#[test]
-fn the_smoothed_shift_has_its_slope_and_comes_to_the_speed() {
-    let (friction, step) = (0.3, 1e-6);
-    for delta in [1e-3, 1.0, 30.0] {
-        for v in [Vector3::new(0.7, 0.4, -0.2), Vector3::new(-1.0, 1e-3, 2e-3)] {
-            let sigma = |v: Vector3<f64>| smoothed(friction, v.yz().norm(), delta);
-            let slope = slope_of(friction, v, delta);
-            for (axis, slope) in slope.iter().enumerate() {
-                let mut along = Vector3::zeros();
-                along[axis] = step * v.norm();
-                let difference = (sigma(v + along) - sigma(v - along)) / (2.0 * step * v.norm());
-                assert!((difference - slope).abs() < 1e-5, "{delta} {v}: {difference} and {slope}");
-            }
-        }
-    }
-    assert!((smoothed(friction, 2.0, 1e-9) - friction * 2.0).abs() < 1e-15);
-    assert!(smoothed(friction, 1e-9, 1.0) < 1e-17 && smoothed(friction, 0.0, 0.0) == 0.0);
 }

@@ -70,11 +70,6 @@ where
         })
     }
 
-    /// Returns the structure of its factors.
-    pub(super) fn structure(&self) -> &Arc<Structure<N>> {
-        &self.structure
-    }
-
     /// Returns the multiply-adds of a factorisation, and the entries of its factors.
     pub(super) fn cost(&self) -> (u64, usize) {
         (2 * self.structure.work(), self.factors.entries())

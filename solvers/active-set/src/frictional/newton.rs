@@ -8,10 +8,8 @@ use super::matrix::Matrix;
 use crate::Best;
 use crate::layout::{Drawn, Layout};
 use crate::start::Start;
-use cholesky::Structure;
 use contact::{Cone, Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::SVector;
-use std::sync::Arc;
 
 /// ε of Newton's method alone (–): what sticks more than motion allows keeps its impulses but for so much.
 const EPSILON: f64 = 1e-6;
@@ -66,7 +64,8 @@ where
     /// # Errors
     /// Where the problem is too large for that.
     pub(super) fn prepare(&mut self) -> Result<(), SetupError> {
-        self.structure().map(|_| ())
+        let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
+        matrix.as_ref().map(|_| ()).map_err(Clone::clone)
     }
 
     /// Returns how many sweeps take as long as a factor; none, where the matrix does not fit in memory.
@@ -78,15 +77,6 @@ where
     /// Returns the residual of the law that impulses `r` (N·s) leave (√J).
     pub(super) fn left_by(&self, r: &[f64]) -> f64 {
         self.left(Self::ALONE, &self.layout.scaled(r))
-    }
-
-    /// Returns the structure of the factors of the matrix.
-    ///
-    /// # Errors
-    /// Where the problem is too large for that.
-    pub(super) fn structure(&mut self) -> Result<&Arc<Structure<N>>, SetupError> {
-        let matrix = self.matrix.get_or_insert_with(|| Matrix::new(&self.layout));
-        matrix.as_ref().map(Matrix::structure).map_err(Clone::clone)
     }
 
     /// Returns the problem and the matrix; none, where it does not fit in memory.
