@@ -8,10 +8,8 @@ use contact::{Cone, Frictional, Rough, RoughColumn, SetupError, Visited, Work};
 use nalgebra::{DMatrix, DVector, Dyn, LU, SMatrix, SVector, Vector2};
 use std::sync::Arc;
 
-/// Solves of one system, at most: each makes good what ε or round-off left of the one before.
-const SOLVES: u32 = 6;
-
-/// Share of what a solve had before it that is left after it, at most, or no other follows (–).
+/// Share of what a solve had before it that is left after it, at most, or no other follows (–): each makes good what ε or round-off left of
+/// the one before.
 const WORTH_ANOTHER: f64 = 0.1;
 
 /// K, of which the structure never changes.
@@ -126,16 +124,11 @@ where
     ) -> Vec<SVector<f64, D>> {
         let mut v = velocity(s);
         let mut left = wanted(&self.status, s, &v);
-        for _ in 0..SOLVES {
-            if is_enough(s, &v, left) {
-                break;
-            }
+        let mut before = f64::INFINITY;
+        while left < WORTH_ANOTHER * before && !is_enough(s, &v, left) {
             self.correct(columns, &v, s);
             v = velocity(s);
-            let before = std::mem::replace(&mut left, wanted(&self.status, s, &v));
-            if !(left < WORTH_ANOTHER * before) {
-                break;
-            }
+            before = std::mem::replace(&mut left, wanted(&self.status, s, &v));
         }
         v
     }

@@ -14,12 +14,6 @@ use nalgebra::SVector;
 /// ε of Newton's method alone (–): what sticks more than motion allows keeps its impulses but for so much.
 const EPSILON: f64 = 1e-6;
 
-/// A shorter step over the one before (–).
-const SHORTER: f64 = 0.5;
-
-/// The share of a step that must come off what is left, times the length of the step (–).
-const WORTH_IT: f64 = 0.1;
-
 /// Newton's method, and its iterate.
 pub(super) struct Newton<const D: usize, const N: usize>
 where
@@ -38,9 +32,9 @@ where
 pub(super) enum Step {
     /// Residual at round-off.
     Solved,
-    /// A residual below the one before.
+    /// Residual of half the one before, at most.
     On,
-    /// No smaller residual.
+    /// A greater residual.
     InVain,
 }
 
@@ -50,9 +44,6 @@ where
 {
     /// Without a point that draws.
     pub(super) const ALONE: Drawn<'static, D> = Drawn { epsilon: EPSILON, centre: None };
-
-    /// Shorter steps that are tried. In the plane, where the law is piecewise linear, a whole step ends it, or sweeps lead on.
-    const SHORTENED: u32 = if D == 2 { 0 } else { 3 };
 
     /// Lays the problem out.
     pub(super) fn new(problem: &Packing<Rough<D>>) -> Self {
@@ -92,35 +83,21 @@ where
         self.left(Self::ALONE, &self.s)
     }
 
-    /// Advances the iterate by one step.
+    /// Advances the iterate by one step, a whole one: it leads to a solution where it has the statuses of one, and elsewhere sweeps lead on.
     pub(super) fn advance(&mut self, best: &mut Best) -> Step {
         let before = self.left(Self::ALONE, &self.s);
         if self.layout.is_round_off(before, &self.s) {
             return Step::Solved;
         }
         let s = std::mem::take(&mut self.s);
-        let Some((next, left)) = self.shortened(&s, before) else {
+        let Some(next) = self.step(Self::ALONE, &s) else { return Step::InVain };
+        let left = self.left(Self::ALONE, &next);
+        if !(left <= 0.5 * before) {
             return Step::InVain;
-        };
+        }
         self.s = next;
         best.take(left, |r| self.layout.impulses(&self.s, r));
         if self.layout.is_round_off(left, &self.s) { Step::Solved } else { Step::On }
-    }
-
-    /// A step of Newton from s, which leaves `before` (√J), with what it leaves: shortened until it leaves less. Where no part of it
-    /// does, none.
-    fn shortened(&mut self, s: &[SVector<f64, D>], before: f64) -> Option<(Vec<SVector<f64, D>>, f64)> {
-        let whole = self.step(Self::ALONE, s)?;
-        let mut share = 1.0;
-        for _ in 0..=Self::SHORTENED {
-            let next: Vec<_> = s.iter().zip(&whole).map(|(s, whole)| s + share * (whole - s)).collect();
-            let left = self.left(Self::ALONE, &next);
-            if left < before * (1.0 - WORTH_IT * share) {
-                return Some((next, left));
-            }
-            share *= SHORTER;
-        }
-        None
     }
 
     /// The impulses to which a step of Newton leads from s, for the statuses of s − v: those that s has to first order. v comes from s

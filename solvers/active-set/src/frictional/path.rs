@@ -21,15 +21,11 @@ use nalgebra::{Vector2, Vector3};
 /// Lines of one path, at most.
 const LINES: u32 = 200;
 
-/// t beyond which a path has gone away (–).
-const AWAY: f64 = 3.0;
-
 /// Changes of status after which the matrix is factorised anew.
 const CHANGES: usize = 30;
 
-/// Largest motion of held velocities: along a line over the change of the impulses, and at its end over the impulses (–).
+/// Largest motion of held velocities along a line over the change of the impulses (–).
 const ALONG: f64 = 1e-10;
-const ROUND_OFF: f64 = 1e-14;
 
 /// The problem that a path changes.
 #[derive(Clone, Copy)]
@@ -61,7 +57,7 @@ pub(super) struct Path<'a> {
 
 impl Path<'_> {
     /// Follows the path from s at t = 1, the solution that goes with `status`, to t = 0. Returns the lines that it had; `None` where it
-    /// comes back to where it began, goes away, or has too many.
+    /// comes back to where it began, or has too many.
     pub(super) fn follow(&mut self) -> Option<u32> {
         let start = self.status.clone();
         let (mut t, mut crossed, mut away_from_start) = (1.0, None::<(usize, Status<2>)>, 0_usize);
@@ -91,7 +87,7 @@ impl Path<'_> {
             if next == Status::Open {
                 self.s[contact] = Vector2::zeros();
             }
-            if away_from_start == 0 || t > AWAY || !self.update(contact) {
+            if away_from_start == 0 || !self.update(contact) {
                 return None;
             }
             crossed = Some((contact, before));
@@ -118,9 +114,8 @@ impl Path<'_> {
     fn correct(&mut self, t: f64) {
         let change = self.change;
         let velocity = |s: &[Vector2<f64>]| change.velocity(s, t);
-        self.matrix.settle(&change.layout.columns, &mut self.s, velocity, |s, _, left| {
-            left <= ROUND_OFF * (norm(s) + change.layout.terms_of_b)
-        });
+        let is_enough = |s: &[Vector2<f64>], _: &[_], left| change.layout.is_round_off(left, s);
+        self.matrix.settle(&change.layout.columns, &mut self.s, velocity, is_enough);
     }
 
     /// Factorises the matrix of the statuses and reports whether it has an inverse.

@@ -9,7 +9,7 @@ use crate::layout::{Drawn, distance};
 use nalgebra::Vector3;
 
 /// Residual of a point over ε times the way to it, at most (–).
-const REACHED: f64 = 0.1;
+const REACHED: f64 = 0.5;
 
 /// Iterate of Newton's method.
 pub(super) struct Whole {
