@@ -3,9 +3,10 @@
 //! Nothing is minimised, and no method is known that always leads to that neighbourhood. Accelerated sweeps of Gauss-Seidel come first.
 //! Where their residual reaches the accuracy of the start, or a tenth of that of the last try, Newton's method is tried, and sweeps
 //! resume where it stalls; a factor that takes longer than sweeps may stall waits until they have had its time since then, or stall.
-//! Where sweeps stall, convex programmes follow: at rest they come near, for the grains that do not move, while sweeps settle those that
-//! do. Then proximal points, from what the programmes find, if that leaves a tenth of what the sweeps left. Where they stall too, that is the
-//! floor, and the end. Where factors do not fit in memory, sweeps are the only stage.
+//! Where sweeps stall, convex programmes and proximal points follow. From r = 0 a load path is to be chosen: programmes come first, and at
+//! rest they come near, for the grains that do not move, while sweeps settle those that do. From other impulses, which have a load path,
+//! points come first, and programmes where they stall. Points go on from what the programmes find, if that leaves a tenth of what was
+//! left. Where they stall then, that is the floor, and the end. Where factors do not fit in memory, sweeps are the only stage.
 
 mod exact;
 mod matrix;
@@ -60,6 +61,8 @@ where
     halved: (f64, u64),
     newton: Newton<D, N>,
     problem: &'p Packing<Rough<D>>,
+    /// True where it begins from impulses.
+    is_warm: bool,
     /// Convex programmes, once they have begun.
     programmes: Option<Programmes<D, N>>,
     /// Proximal points, once sweeps have stalled.
@@ -99,9 +102,9 @@ where
         }
     }
 
-    /// Convex programmes where sweeps have stalled; points, where there were any, or they do not fit in memory.
+    /// Convex programmes or points where sweeps have stalled.
     fn go_on_without_sweeps(&mut self) {
-        if self.programmes.is_some() || self.begin_programmes().is_err() {
+        if self.is_warm || self.programmes.is_some() || self.begin_programmes().is_err() {
             self.begin_points();
         }
     }
@@ -122,12 +125,12 @@ where
         if is_nearer {
             self.best = programmes.best.clone();
         }
-        if self.swept > 0 {
+        if self.swept == 0 {
+            if is_nearer { self.try_newton() } else { self.phase = Phase::Sweeps }
+        } else if is_nearer || self.points.is_none() {
             self.begin_points();
-        } else if is_nearer {
-            self.try_newton();
         } else {
-            self.phase = Phase::Sweeps;
+            self.phase = Phase::Ended;
         }
     }
 
@@ -158,6 +161,7 @@ where
         match points.advance(&mut self.newton, &mut self.best, nearly) {
             Approach::On => {}
             Approach::Nearly => self.try_newton(),
+            Approach::InVain if self.programmes.is_none() && self.begin_programmes().is_ok() => {}
             Approach::InVain => self.phase = Phase::Ended,
         }
     }
@@ -246,6 +250,7 @@ impl ActiveSet {
             halved: (f64::INFINITY, 0),
             newton,
             problem,
+            is_warm: r0.iter().any(|r| *r != 0.0),
             programmes: None,
             points: None,
             phase: Phase::Sweeps,

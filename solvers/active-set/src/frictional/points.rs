@@ -2,7 +2,7 @@
 //!
 //! Where more sticks than motion allows, sweeps of non-linear Gauss-Seidel move impulses along the kernel of W by the same amount each
 //! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls after a point that
-//! took few steps, and grows where none is reached.
+//! took few steps. It grows where none is reached, and every second time sweeps look for another beginning.
 //!
 //! R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14 (1976) 877-898; Coulomb's law is
 //! not monotone, so nothing is promised.
@@ -18,6 +18,9 @@ const FIRST: f64 = 1e-3;
 /// Factor by which ε falls and grows (–), and how many steps are few; in space, where there are no exact paths, a point takes no more.
 const FACTOR: f64 = 2.0;
 pub(super) const FEW: u32 = 6;
+
+/// Sweeps after every second point that is not reached.
+const SWEEPS: u32 = 200;
 
 /// Points in which the residual is not halved, after which nothing leads on.
 const PATIENCE: u32 = 300;
@@ -62,6 +65,8 @@ pub(super) struct Points<P, const D: usize, const N: usize> {
     solver: P,
     /// ε (–).
     epsilon: f64,
+    /// Points in a row that were not reached.
+    missed: u32,
     /// Residual when it was last halved (√J), and the points since.
     halved: f64,
     since: u32,
@@ -74,7 +79,7 @@ where
     /// Begins at the best impulses.
     pub(super) fn new(newton: &Newton<D, N>, best: &Best) -> Self {
         let solver = P::begin(newton, &newton.layout.scaled(&best.impulses));
-        Self { solver, epsilon: FIRST, halved: best.left, since: 0 }
+        Self { solver, epsilon: FIRST, missed: 0, halved: best.left, since: 0 }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
@@ -89,14 +94,21 @@ where
         match progress {
             Progress::On => {}
             Progress::Reached { steps } => {
-                self.since += 1;
+                (self.missed, self.since) = (0, self.since + 1);
                 if steps <= FEW {
                     self.epsilon /= FACTOR;
                 }
             }
             Progress::Missed => {
                 self.since += 1;
-                self.epsilon *= FACTOR;
+                self.missed += 1;
+                if self.missed.is_multiple_of(2) {
+                    let mut s = newton.layout.admitted(self.solver.s());
+                    newton.sweep(&mut s, SWEEPS);
+                    self.solver = P::begin(newton, &s);
+                } else {
+                    self.epsilon *= FACTOR;
+                }
             }
         }
         if left <= round_off || newton.layout.is_round_off(left, &s) {
