@@ -44,22 +44,22 @@ where
     /// T (v + σ n) − z (√J).
     apart: Vec<SVector<f64, D>>,
     steps: u32,
-    /// The least residual (√J), and its x.
-    best: (f64, Vec<SVector<f64, D>>),
-    /// Residual at the last progress (√J), and after how many steps.
-    progress: (f64, u32),
+    /// The least residual (√J), its x, and after how many steps it was left.
+    best: (f64, Vec<SVector<f64, D>>, u32),
     /// √(Σ max(0, −`b_n`)²/`w_n`) (√J).
     scale: f64,
     work: Work,
 }
 
-/// Steps without a residual below all before, after which nothing leads on.
+/// Steps without a residual below all before, after which nothing leads on. Without this limit as many of 18 packings of 1,000 spheres at
+/// rest come to 1e-6, two of them in 1.7 and 2.6 times as long.
 const PATIENCE: u32 = 12;
 
-/// Quantile of the speeds of grains below which they are still: what moves is faster than its geometric mean with the greatest (–).
+/// Quantile of the speeds of grains below which they are still: what moves is faster than its geometric mean with the greatest (–). Where
+/// most of 1,000 spheres are at rest there is a gap of four to six decades between, and any from 0.5 to 0.97 gives the same grains.
 const STILL: f64 = 0.9;
 
-/// Sweeps over the contacts of grains that move.
+/// Sweeps over the contacts of grains that move. With twenty times as many no more of 72 packings of 250 grains come to 1e-8.
 const SWEEPS: u32 = 1000;
 
 /// Residual over the problem's scale where it has come near enough; and where it has come too far to be called nearly solved (–). Where
@@ -92,8 +92,7 @@ where
             z: vec![SVector::zeros(); contacts],
             apart: Vec::new(),
             steps: 0,
-            best: (f64::INFINITY, Vec::new()),
-            progress: (f64::INFINITY, 0),
+            best: (f64::INFINITY, Vec::new(), 0),
             scale: problem.scale().sqrt(),
             factor: None,
             work: Work::default(),
@@ -116,8 +115,7 @@ where
             z[0] = z[0].max(tangential(*z).1 + away);
             *apart -= *z;
         }
-        let left = self.left();
-        (self.steps, self.best, self.progress) = (0, (left, self.x.clone()), (left, 0));
+        (self.steps, self.best) = (0, (self.left(), self.x.clone(), 0));
     }
 
     /// Asks of the next programme that `v_n` be above μ|`v_t`| by a margin at each contact (m/s).
@@ -157,12 +155,9 @@ where
         let goes_on = self.best.0 > NEAR * self.scale && self.steps <= MOST_STEPS && self.advance_by_newton();
         let left = if goes_on { self.left() } else { f64::INFINITY };
         if left < self.best.0 {
-            self.best = (left, self.x.clone());
+            self.best = (left, self.x.clone(), self.steps);
         }
-        if left < self.progress.0 {
-            self.progress = (left, self.steps);
-        }
-        let goes_on = goes_on && self.steps < self.progress.1 + PATIENCE;
+        let goes_on = goes_on && self.steps < self.best.2 + PATIENCE;
         if !goes_on {
             self.x.clone_from(&self.best.1);
         }
@@ -203,16 +198,20 @@ where
         self.begin();
         while self.step() {}
         let solved = self.best.0 <= NEARLY * self.scale;
-        for (v, (sigma, column)) in
-            self.layout.velocity(&self.impulse()).iter().zip(self.sigma.iter_mut().zip(&self.layout.columns))
-        {
-            *sigma = column.friction() * tangential(*v).1;
+        let v = self.layout.velocity(&self.impulse());
+        for (k, v) in v.into_iter().enumerate() {
+            self.take_sigma(k, v);
         }
         solved
     }
 
-    /// Begins the next programme, with the σ of the grains that move, after sweeps over their contacts have settled them where the others are
-    /// held.
+    /// Takes σ = μ|`v_t`| of a contact with the velocity v (√J), with which the programme is Coulomb's law.
+    fn take_sigma(&mut self, contact: usize, v: SVector<f64, D>) {
+        self.sigma[contact] = self.layout.columns[contact].friction() * tangential(v).1;
+    }
+
+    /// Begins the next programme with the σ of the grains that move, once sweeps over their contacts have settled them while the others
+    /// are held.
     pub(crate) fn settle(&mut self) {
         let mut s = self.layout.admitted(&self.impulse());
         let mut y = self.layout.pushed(self.layout.free.clone(), &s);
@@ -222,26 +221,15 @@ where
         let least =
             speeds.get(quantile).zip(speeds.last()).map_or(0.0, |(still, fastest)| (still * fastest).sqrt());
         let held: Vec<_> = y.iter().map(|y| (y.norm() < least).then_some(*y)).collect();
-        let Self { layout, sigma, work, .. } = self;
-        let moves =
-            |k: &usize| layout.columns[*k].places().iter().any(|place| held[*place as usize].is_none());
+        let columns = &self.layout.columns;
+        let moves = |k: &usize| columns[*k].places().iter().any(|place| held[*place as usize].is_none());
         let moving: Vec<usize> = (0..s.len()).filter(moves).collect();
-        for _ in 0..SWEEPS {
-            work.contact_updates += moving.len() as u64;
-            for k in &moving {
-                let column = &layout.columns[*k];
-                let change = column.change(s[*k], column.relative(&y) + layout.offset[*k], 1.0);
-                s[*k] += change;
-                column.push(change, &mut y);
-                for place in column.places().map(|place| place as usize) {
-                    y[place] = held[place].unwrap_or(y[place]);
-                }
-            }
-        }
-        sigma.fill(0.0);
+        self.work.contact_updates += u64::from(SWEEPS) * moving.len() as u64;
+        self.layout.sweep_held(&moving.iter().copied(), |grain| held[grain], &mut s, &mut y, SWEEPS);
+        self.sigma.fill(0.0);
         for k in moving {
-            let column = &layout.columns[k];
-            sigma[k] = column.friction() * tangential(column.relative(&y) + layout.offset[k]).1;
+            let v = self.layout.columns[k].relative(&y) + self.layout.offset[k];
+            self.take_sigma(k, v);
         }
         self.begin();
     }

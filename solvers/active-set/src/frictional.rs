@@ -29,9 +29,29 @@ use whole::Whole;
 /// Sweeps in which the residual must be halved, or the next stage follows.
 const PATIENCE: u64 = 1000;
 
-/// Residual of the law over the problem's scale (–) at which Newton's method follows proximal points, and which is an end where no step
-/// reduces it.
+/// Residual of the law over the problem's scale (–): where points leave it, Newton's method follows; where no step reduces it, it is the
+/// end.
 const ROUND_OFF: f64 = 1e-12;
+
+/// Residual when it was last halved (√J), and the sweeps or points since.
+struct Halved {
+    left: f64,
+    since: u64,
+}
+
+impl Halved {
+    /// Begins to count at a residual (√J).
+    fn at(left: f64) -> Self {
+        Self { left, since: 0 }
+    }
+
+    /// Begins anew where a residual `left` (√J) is at most half the one before.
+    fn look(&mut self, left: f64) {
+        if left <= 0.5 * self.left {
+            *self = Self::at(left);
+        }
+    }
+}
 
 /// Phase of an iteration.
 #[derive(Clone, Copy)]
@@ -57,8 +77,8 @@ where
     swept: u64,
     /// Sweeps after which a factor may be made, once the time that it takes is known: it waits until sweeps have had as much.
     due: Option<u64>,
-    /// Residual of the sweeps when it was last halved (√J), and after how many of them.
-    halved: (f64, u64),
+    /// Residual of the sweeps.
+    halved: Halved,
     newton: Newton<D, N>,
     problem: &'p Packing<Rough<D>>,
     /// True where it begins from impulses.
@@ -89,11 +109,10 @@ where
         let mut r = vec![0.0; self.best.impulses.len()];
         self.sweeps.impulses(&mut r);
         let left = self.newton.left_by(&r);
-        if left <= 0.5 * self.halved.0 {
-            self.halved = (left, self.swept);
-        }
+        self.halved.since += LOOK;
+        self.halved.look(left);
         self.best.take(left, |best| best.copy_from_slice(&r));
-        let has_stalled = self.swept >= self.halved.1 + PATIENCE;
+        let has_stalled = self.halved.since >= PATIENCE;
         if left <= self.rung && (has_stalled || self.is_due()) {
             self.best = Best { left, impulses: r };
             self.try_newton();
@@ -102,7 +121,7 @@ where
         }
     }
 
-    /// Convex programmes or points where sweeps have stalled.
+    /// Begins convex programmes or points where sweeps have stalled.
     fn go_on_without_sweeps(&mut self) {
         if self.is_warm || self.programmes.is_some() || self.begin_programmes().is_err() {
             self.begin_points();
@@ -115,7 +134,8 @@ where
         Ok(())
     }
 
-    /// One step of a programme. From the end of the last points follow; or sweeps, if there were none.
+    /// One step of a programme. After the last, points follow where it came nearer or there were none; sweeps, or Newton's method, where
+    /// the run begins with programmes.
     fn programme(&mut self) {
         let Some(programmes) = &mut self.programmes else { return };
         if programmes.advance(&mut self.newton) {
@@ -247,7 +267,7 @@ impl ActiveSet {
             sweeps: accelerated(problem, r0)?,
             swept: 0,
             due: None,
-            halved: (f64::INFINITY, 0),
+            halved: Halved::at(f64::INFINITY),
             newton,
             problem,
             is_warm: r0.iter().any(|r| *r != 0.0),

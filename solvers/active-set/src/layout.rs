@@ -100,11 +100,28 @@ where
     /// Makes sweeps of non-linear Gauss-Seidel.
     pub(crate) fn sweep(&self, s: &mut [SVector<f64, D>], sweeps: u32) {
         let mut y = self.pushed(self.free.clone(), s);
+        self.sweep_held(&(0..self.columns.len()), |_| None, s, &mut y, sweeps);
+    }
+
+    /// Makes sweeps over `contacts` alone, with the velocities y of grains that go with s (√J); a grain for which `held` has a velocity
+    /// keeps it.
+    pub(crate) fn sweep_held(
+        &self,
+        contacts: &(impl Iterator<Item = usize> + Clone),
+        held: impl Fn(usize) -> Option<SVector<f64, N>>,
+        s: &mut [SVector<f64, D>],
+        y: &mut [SVector<f64, N>],
+        sweeps: u32,
+    ) {
         for _ in 0..sweeps {
-            for (k, (column, c)) in self.columns.iter().zip(&self.offset).enumerate() {
-                let change = column.change(s[k], column.relative(&y) + c, 1.0);
+            for k in contacts.clone() {
+                let column = &self.columns[k];
+                let change = column.change(s[k], column.relative(y) + self.offset[k], 1.0);
                 s[k] += change;
-                column.push(change, &mut y);
+                column.push(change, y);
+                for place in column.places().map(|place| place as usize) {
+                    y[place] = held(place).unwrap_or(y[place]);
+                }
             }
         }
     }

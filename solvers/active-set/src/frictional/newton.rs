@@ -32,9 +32,9 @@ where
 pub(super) enum Step {
     /// Residual at round-off.
     Solved,
-    /// Residual of half the one before, at most.
+    /// Residual of at most half the one before.
     On,
-    /// A greater residual.
+    /// Greater residual than that, or no step.
     InVain,
 }
 
@@ -83,7 +83,7 @@ where
         self.left(Self::ALONE, &self.s)
     }
 
-    /// Advances the iterate by one step, a whole one: it leads to a solution where it has the statuses of one, and elsewhere sweeps lead on.
+    /// Advances the iterate by one whole step. Where the iterate has the statuses of a solution, it leads there; elsewhere sweeps lead on.
     pub(super) fn advance(&mut self, best: &mut Best) -> Step {
         let before = self.left(Self::ALONE, &self.s);
         if self.layout.is_round_off(before, &self.s) {

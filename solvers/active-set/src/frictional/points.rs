@@ -7,6 +7,7 @@
 //! R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14 (1976) 877-898; Coulomb's law is
 //! not monotone, so nothing is promised.
 
+use super::Halved;
 use super::newton::Newton;
 use crate::Best;
 use contact::{Frictional, Rough};
@@ -23,7 +24,7 @@ pub(super) const FEW: u32 = 6;
 const SWEEPS: u32 = 200;
 
 /// Points in which the residual is not halved, after which nothing leads on.
-const PATIENCE: u32 = 300;
+const PATIENCE: u64 = 300;
 
 /// Solver of one proximal point after another.
 pub(super) trait PointSolver<const D: usize, const N: usize>
@@ -67,9 +68,7 @@ pub(super) struct Points<P, const D: usize, const N: usize> {
     epsilon: f64,
     /// Points in a row that were not reached.
     missed: u32,
-    /// Residual when it was last halved (√J), and the points since.
-    halved: f64,
-    since: u32,
+    halved: Halved,
 }
 
 impl<P: PointSolver<D, N>, const D: usize, const N: usize> Points<P, D, N>
@@ -79,7 +78,7 @@ where
     /// Begins at the best impulses.
     pub(super) fn new(newton: &Newton<D, N>, best: &Best) -> Self {
         let solver = P::begin(newton, &newton.layout.scaled(&best.impulses));
-        Self { solver, epsilon: FIRST, missed: 0, halved: best.left, since: 0 }
+        Self { solver, epsilon: FIRST, missed: 0, halved: Halved::at(best.left) }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
@@ -88,19 +87,18 @@ where
         let s = newton.layout.admitted(self.solver.s());
         let left = newton.left(Newton::ALONE, &s);
         best.take(left, |r| newton.layout.impulses(&s, r));
-        if left <= 0.5 * self.halved {
-            (self.halved, self.since) = (left, 0);
-        }
+        self.halved.look(left);
         match progress {
             Progress::On => {}
             Progress::Reached { steps } => {
-                (self.missed, self.since) = (0, self.since + 1);
+                self.missed = 0;
+                self.halved.since += 1;
                 if steps <= FEW {
                     self.epsilon /= FACTOR;
                 }
             }
             Progress::Missed => {
-                self.since += 1;
+                self.halved.since += 1;
                 self.missed += 1;
                 if self.missed.is_multiple_of(2) {
                     let mut s = newton.layout.admitted(self.solver.s());
@@ -113,7 +111,7 @@ where
         }
         if left <= round_off || newton.layout.is_round_off(left, &s) {
             Approach::Nearly
-        } else if self.since > PATIENCE {
+        } else if self.halved.since > PATIENCE {
             Approach::InVain
         } else {
             Approach::On

