@@ -18,7 +18,7 @@ pub enum Start {
     Sweeps,
     /// By the law from the start impulses: without any, the contacts that approach.
     ColdSet,
-    /// By an interior point; with friction by those of convex programmes, which come near in packings at rest, and seldom where walls move.
+    /// By an interior point; with friction by convex programmes, which mostly come near in packings at rest, and seldom where walls move.
     InteriorPoint,
 }
 
