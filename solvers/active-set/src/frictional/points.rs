@@ -2,8 +2,8 @@
 //!
 //! Where more sticks than motion allows, sweeps of non-linear Gauss-Seidel move impulses along the kernel of W by the same amount each
 //! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls after a point that
-//! took few steps. It grows where none is reached. Points far larger than the first have lost the neighbourhood that they began in: they
-//! begin again, from what sweeps make of the best impulses.
+//! took few steps. It grows where none is reached, and every second time sweeps look for another beginning. Where it has grown far, the
+//! neighbourhood is lost, and points begin again, from what sweeps make of the best impulses.
 //!
 //! R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14 (1976) 877-898; Coulomb's law is
 //! not monotone, so nothing is promised.
@@ -21,11 +21,11 @@ const FIRST: f64 = 1e-3;
 const FACTOR: f64 = 2.0;
 pub(super) const FEW: u32 = 6;
 
-/// ε of points that are lost (–). From 5e-3 to 4e-2, three to five of 12 packings of spheres that stall come to 1e-8.
-const LOST: f64 = 5e-3;
+/// ε beyond which points are lost (–). With 3e-2 as many of 72 packings of 250 grains come to each accuracy.
+const LOST: f64 = 1e-2;
 
-/// Sweeps before points begin again. With a quarter or four times as many, three or four of those 12.
-const SWEEPS: u32 = 800;
+/// Sweeps after every second point that is not reached, and before points begin again.
+const SWEEPS: u32 = 200;
 
 /// Points in which the residual is not halved, after which nothing leads on.
 const PATIENCE: u64 = 300;
@@ -70,6 +70,8 @@ pub(super) struct Points<P, const D: usize, const N: usize> {
     solver: P,
     /// ε (–).
     epsilon: f64,
+    /// Points in a row that were not reached.
+    missed: u32,
     /// Where they begin again (√J), and the residual of the best impulses that this comes from (√J).
     again: (Vec<SVector<f64, D>>, f64),
     halved: Halved,
@@ -83,7 +85,7 @@ where
     pub(super) fn new(newton: &Newton<D, N>, best: &Best) -> Self {
         let s = newton.layout.scaled(&best.impulses);
         let (solver, halved) = (P::begin(newton, &s), Halved::at(best.left));
-        Self { solver, epsilon: FIRST, again: (s, best.left), halved }
+        Self { solver, epsilon: FIRST, missed: 0, again: (s, best.left), halved }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
@@ -97,13 +99,14 @@ where
             Progress::On => {}
             Progress::Reached { steps } => {
                 self.halved.since += 1;
+                self.missed = 0;
                 if steps <= FEW {
                     self.epsilon /= FACTOR;
                 }
             }
             Progress::Missed => {
                 self.halved.since += 1;
-                self.epsilon *= FACTOR;
+                self.missed += 1;
                 if self.epsilon > LOST {
                     self.epsilon = FIRST;
                     if best.left < self.again.1 {
@@ -111,6 +114,12 @@ where
                     }
                     newton.sweep(&mut self.again.0, SWEEPS);
                     self.solver = P::begin(newton, &self.again.0);
+                } else if self.missed.is_multiple_of(2) {
+                    let mut s = newton.layout.admitted(self.solver.s());
+                    newton.sweep(&mut s, SWEEPS);
+                    self.solver = P::begin(newton, &s);
+                } else {
+                    self.epsilon *= FACTOR;
                 }
             }
         }
