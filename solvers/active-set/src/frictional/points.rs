@@ -2,8 +2,7 @@
 //!
 //! Where more sticks than motion allows, sweeps of non-linear Gauss-Seidel move impulses along the kernel of W by the same amount each
 //! time; a proximal point goes 1/ε times as far at once, through all that opens and slides on its way. So ε falls after a point that
-//! took few steps. It grows where none is reached, and every second time sweeps look for another beginning. Where it has grown far, the
-//! neighbourhood is lost, and points begin again, from what sweeps make of the best impulses.
+//! took few steps. It grows where none is reached, and every second time sweeps look for another beginning.
 //!
 //! R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14 (1976) 877-898; Coulomb's law is
 //! not monotone, so nothing is promised.
@@ -21,10 +20,7 @@ const FIRST: f64 = 1e-3;
 const FACTOR: f64 = 2.0;
 pub(super) const FEW: u32 = 6;
 
-/// ε beyond which points are lost (–). With 3e-2 as many of 72 packings of 250 grains come to each accuracy.
-const LOST: f64 = 1e-2;
-
-/// Sweeps after every second point that is not reached, and before points begin again.
+/// Sweeps after every second point that is not reached.
 const SWEEPS: u32 = 200;
 
 /// Points in which the residual is not halved, after which nothing leads on.
@@ -72,8 +68,6 @@ pub(super) struct Points<P, const D: usize, const N: usize> {
     epsilon: f64,
     /// Points in a row that were not reached.
     missed: u32,
-    /// Where they begin again (√J), and the residual of the best impulses that this comes from (√J).
-    again: (Vec<SVector<f64, D>>, f64),
     halved: Halved,
 }
 
@@ -83,9 +77,8 @@ where
 {
     /// Begins at the best impulses.
     pub(super) fn new(newton: &Newton<D, N>, best: &Best) -> Self {
-        let s = newton.layout.scaled(&best.impulses);
-        let (solver, halved) = (P::begin(newton, &s), Halved::at(best.left));
-        Self { solver, epsilon: FIRST, missed: 0, again: (s, best.left), halved }
+        let solver = P::begin(newton, &newton.layout.scaled(&best.impulses));
+        Self { solver, epsilon: FIRST, missed: 0, halved: Halved::at(best.left) }
     }
 
     /// Advances by one step towards a point; what leaves at most `round_off` (√J) is nearly a solution.
@@ -98,8 +91,8 @@ where
         match progress {
             Progress::On => {}
             Progress::Reached { steps } => {
-                self.halved.since += 1;
                 self.missed = 0;
+                self.halved.since += 1;
                 if steps <= FEW {
                     self.epsilon /= FACTOR;
                 }
@@ -107,14 +100,7 @@ where
             Progress::Missed => {
                 self.halved.since += 1;
                 self.missed += 1;
-                if self.epsilon > LOST {
-                    self.epsilon = FIRST;
-                    if best.left < self.again.1 {
-                        self.again = (newton.layout.scaled(&best.impulses), best.left);
-                    }
-                    newton.sweep(&mut self.again.0, SWEEPS);
-                    self.solver = P::begin(newton, &self.again.0);
-                } else if self.missed.is_multiple_of(2) {
+                if self.missed.is_multiple_of(2) {
                     let mut s = newton.layout.admitted(self.solver.s());
                     newton.sweep(&mut s, SWEEPS);
                     self.solver = P::begin(newton, &s);
