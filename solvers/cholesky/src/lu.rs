@@ -180,6 +180,10 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
             let rows = &structure.rows[node.rows.clone()];
             let start = D * node.own.start as usize;
             let near = &mut x[start..start + own];
+            // So that a right side at few grains is not taken through all.
+            if near.iter().all(|x| *x == 0.0) {
+                continue;
+            }
             for (j, at) in exchanged[start..start + own].iter().enumerate() {
                 near.swap(j, j + *at as usize);
             }

@@ -40,6 +40,23 @@ impl<const D: usize, const N: usize> Default for Changes<D, N> {
     }
 }
 
+impl<const D: usize, const N: usize> Changes<D, N>
+where
+    Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
+{
+    /// x ← K⁻¹ K₀ x.
+    fn apply(&self, columns: &[ColumnOf<D>], x: &mut [SVector<f64, N>]) {
+        let Some(small) = &self.small else { return };
+        let pulled = self.of.iter().map(|(contact, _, pull)| pull.dot(&columns[*contact].relative(x)));
+        let mut weights = DVector::from_iterator(self.of.len(), pulled);
+        if small.solve_mut(&mut weights) {
+            for (weight, solved) in weights.iter().zip(&self.solved) {
+                x.iter_mut().zip(solved).for_each(|(x, solved)| *x -= *weight * solved);
+            }
+        }
+    }
+}
+
 impl<const D: usize, const N: usize> Matrix<D, N>
 where
     Rough<D>: Frictional<D, Velocity = SVector<f64, N>>,
@@ -147,15 +164,7 @@ where
     /// x ← K⁻¹ x.
     pub(super) fn solve(&mut self, columns: &[ColumnOf<D>], x: &mut [SVector<f64, N>]) {
         self.solve_with_factor(x);
-        let Changes { of, solved, small } = &self.changes;
-        let Some(small) = small else { return };
-        let pulled = of.iter().map(|(contact, _, pull)| pull.dot(&columns[*contact].relative(x)));
-        let mut weights = DVector::from_iterator(of.len(), pulled);
-        if small.solve_mut(&mut weights) {
-            for (weight, solved) in weights.iter().zip(solved) {
-                x.iter_mut().zip(solved).for_each(|(x, solved)| *x -= *weight * solved);
-            }
-        }
+        self.changes.apply(columns, x);
     }
 
     fn solve_with_factor(&mut self, x: &mut [SVector<f64, N>]) {
@@ -179,11 +188,30 @@ impl Matrix<2, 3> {
         self.changes.of.len()
     }
 
-    /// Gives a contact another status; says whether K then has an inverse. If not, it is the matrix of none.
-    pub(super) fn change(&mut self, columns: &[RoughColumn], contact: usize, now: Status<2>) -> bool {
+    /// Gives a contact another status, and takes a response of the impulses ds to that after it, where the contact moved with `v` (√J),
+    /// which ε ds is no part of. Returns whether K then has an inverse; if not, this is the matrix of none.
+    pub(super) fn change(
+        &mut self,
+        columns: &[RoughColumn],
+        contact: usize,
+        now: Status<2>,
+        v: Vector2<f64>,
+        ds: &mut [Vector2<f64>],
+    ) -> bool {
         let before = std::mem::replace(&mut self.status[contact], now);
-        self.is_factorised = parts(before, now, columns[contact].friction())
-            .is_some_and(|parts| self.add(columns, contact, parts));
+        let parts = parts(before, now, columns[contact].friction());
+        self.is_factorised = parts.is_some_and(|parts| self.add(columns, contact, parts));
+        if let Some([push, pull]) = parts.filter(|_| self.is_factorised) {
+            // The answers of the contact change by push pullᵗ v/ε, and the grains respond to that.
+            let moves = pull.dot(&v);
+            let own = self.changes.solved.last();
+            let mut y: Vec<_> = own.into_iter().flatten().map(|solved| -moves * solved).collect();
+            self.changes.apply(columns, &mut y);
+            for (k, column) in columns.iter().enumerate() {
+                ds[k] -= self.answer(columns, k, Vector2::zeros(), column.relative(&y));
+            }
+            ds[contact] -= push * (moves / self.epsilon);
+        }
         self.is_factorised
     }
 

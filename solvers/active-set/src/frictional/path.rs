@@ -24,8 +24,9 @@ const LINES: u32 = 200;
 /// Changes of status after which the matrix is factorised anew.
 const CHANGES: usize = 30;
 
-/// Largest motion of held velocities along a line over the change of the impulses (–).
-const ALONG: f64 = 1e-10;
+/// Largest motion of held velocities along a line over the change of the impulses (–). With 1e-10 some of 400 paths end 1e-9 beside a
+/// solution.
+const ALONG: f64 = 1e-12;
 
 /// The problem that a path changes.
 #[derive(Clone, Copy)]
@@ -64,11 +65,11 @@ impl Path<'_> {
         if !self.matrix.is_of(&self.status, self.change.drawn.epsilon) && !self.factorise() {
             return None;
         }
+        let (mut v, mut ds) = (self.change.velocity(&self.s, t), self.unknown());
         for line in 0..LINES {
-            let along = self.respond();
+            let along = self.respond(ds);
             let forth = crossed.is_some_and(|(contact, before)| self.enters(contact, before, &along));
             let sign = if forth { 1.0 } else { -1.0 };
-            let v = self.change.velocity(&self.s, t);
             let end = self.end(crossed, &v, sign, &along);
             let arrives = !forth && end.is_none_or(|end| end.at >= t);
             let far = if arrives { t } else { end?.at };
@@ -76,7 +77,7 @@ impl Path<'_> {
                 *s += sign * far * ds;
             }
             t = if arrives { 0.0 } else { t + sign * far };
-            self.correct(t);
+            v = self.correct(t);
             if arrives {
                 return Some(line);
             }
@@ -87,18 +88,23 @@ impl Path<'_> {
             if next == Status::Open {
                 self.s[contact] = Vector2::zeros();
             }
-            if away_from_start == 0 || !self.update(contact) {
+            if away_from_start == 0 {
                 return None;
             }
+            ds = self.update(contact, before, along)?;
             crossed = Some((contact, before));
         }
         None
     }
 
-    /// The change of s, and of v, that answers p: such that nothing moves that is held.
-    fn respond(&mut self) -> Line {
+    /// Response that is not known.
+    fn unknown(&self) -> Vec<Vector2<f64>> {
+        vec![Vector2::zeros(); self.s.len()]
+    }
+
+    /// The change of s, near ds, and of v, that answers p: such that nothing moves that is held.
+    fn respond(&mut self, mut ds: Vec<Vector2<f64>>) -> Line {
         let Change { layout, drawn, perturbation } = self.change;
-        let mut ds = vec![Vector2::zeros(); perturbation.len()];
         let velocity = |ds: &[Vector2<f64>]| {
             let y = layout.pushed(vec![Vector3::zeros(); layout.grains()], ds);
             let of = layout.columns.iter().zip(ds).zip(perturbation);
@@ -110,12 +116,12 @@ impl Path<'_> {
         Line { ds, dv }
     }
 
-    /// Takes back what moves of that which is held, at t: round-off of the line that led there.
-    fn correct(&mut self, t: f64) {
+    /// Takes back what moves of that which is held, at t: round-off of the line that led there. Returns v (√J).
+    fn correct(&mut self, t: f64) -> Vec<Vector2<f64>> {
         let change = self.change;
         let velocity = |s: &[Vector2<f64>]| change.velocity(s, t);
         let is_enough = |s: &[Vector2<f64>], _: &[_], left| change.layout.is_round_off(left, s);
-        self.matrix.settle(&change.layout.columns, &mut self.s, velocity, is_enough);
+        self.matrix.settle(&change.layout.columns, &mut self.s, velocity, is_enough)
     }
 
     /// Factorises the matrix of the statuses and reports whether it has an inverse.
@@ -123,12 +129,17 @@ impl Path<'_> {
         self.matrix.factorise(&self.change.layout.columns, &self.status, self.change.drawn.epsilon)
     }
 
-    /// Updates the factor after a contact changed its status; reports whether there is one.
-    fn update(&mut self, contact: usize) -> bool {
-        if self.matrix.changes() < CHANGES {
-            self.matrix.change(&self.change.layout.columns, contact, self.status[contact])
-        } else {
-            self.factorise()
+    /// Updates the factor after a contact changed its status at the end of a line. Returns the response that follows from that of the line;
+    /// `None` where the matrix has no inverse.
+    fn update(&mut self, contact: usize, before: Status<2>, along: Line) -> Option<Vec<Vector2<f64>>> {
+        if self.matrix.changes() >= CHANGES {
+            return self.factorise().then(|| self.unknown());
         }
+        let Line { mut ds, dv } = along;
+        // What is held moves with −ε ds; its dv is round-off.
+        let v =
+            dv[contact] - before.unmet(ds[contact], dv[contact]) - self.change.drawn.epsilon * ds[contact];
+        let columns = &self.change.layout.columns;
+        self.matrix.change(columns, contact, self.status[contact], v, &mut ds).then_some(ds)
     }
 }

@@ -46,31 +46,33 @@ impl Path<'_> {
             let (s, v) = (self.s[contact], v[contact]);
             let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
             let friction = self.change.layout.columns[contact].friction();
-            let mut meet = |room: f64, closing: f64, next: Status<2>| {
-                let at = room.max(0.0) / closing;
-                let is_where_it_began = crossed == Some((contact, next));
-                if closing > 0.0 && !is_where_it_began && first.is_none_or(|first| at < first.at) {
-                    first = Some(End { at, contact, next });
+            let mut meet = |room: f64, closing: f64, next: &dyn Fn(f64) -> Status<2>| {
+                let room = room.max(0.0);
+                if closing > 0.0 && first.is_none_or(|first| room < first.at * closing) {
+                    let at = room / closing;
+                    let next = next(at);
+                    if crossed != Some((contact, next)) {
+                        first = Some(End { at, contact, next });
+                    }
                 }
             };
             match *status {
                 Status::Open => {
-                    let at = v.x / -dv.x;
-                    let side = if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
+                    let side = |at: f64| if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
                     if !matches!(crossed, Some((c, Status::Slide(_))) if c == contact) {
-                        meet(v.x, -dv.x, Status::slide(side));
+                        meet(v.x, -dv.x, &|at| Status::slide(side(at)));
                     }
                 }
                 Status::Stick => {
                     for side in [1.0, -1.0] {
                         let (room, closing) = (friction * s.x - side * s.y, side * ds.y - friction * ds.x);
-                        meet(room, closing, Status::slide(side));
+                        meet(room, closing, &|_| Status::slide(side));
                     }
                 }
                 Status::Slide(slide) => {
                     let side = slide.along.y;
-                    meet(s.x, -ds.x, Status::Open);
-                    meet(-side * v.y, side * dv.y, Status::Stick);
+                    meet(s.x, -ds.x, &|_| Status::Open);
+                    meet(-side * v.y, side * dv.y, &|_| Status::Stick);
                 }
             }
         }

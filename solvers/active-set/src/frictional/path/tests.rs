@@ -2,10 +2,10 @@
 
 use super::super::matrix::Matrix;
 use super::{Change, Path};
-use crate::layout::{Drawn, Layout, norm};
+use crate::layout::{Drawn, Layout, distance, norm};
 use contact::law::admissible;
 use contact::status::Status;
-use contact::{Cone, Packing, RoughContact, RoughMass};
+use contact::{Cone, Packing, RoughContact, RoughMass, Visited};
 use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -70,13 +70,25 @@ fn a_path_from_open_contacts_ends_at_a_solution_of_coulombs_law() {
 }
 
 #[test]
-fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
+fn a_matrix_that_followed_changes_solves_and_responds_as_one_made_anew() {
     let layout = Layout::new(&packing(7, 8));
     let columns = &layout.columns;
     let epsilon = 1e-3;
+    let p: Vec<_> = (0..columns.len()).map(|k| Vector2::new(1.0 - 0.1 * k as f64, 0.3)).collect();
+    let own = |ds: &[Vector2<f64>]| -> Vec<_> {
+        let y = layout.pushed(vec![Vector3::zeros(); layout.grains()], ds);
+        columns.iter().zip(&p).map(|(column, p)| column.relative(&y) + p).collect()
+    };
+    let respond = |matrix: &mut Matrix<2, 3>| {
+        let mut ds = vec![Vector2::zeros(); columns.len()];
+        let velocity = |ds: &[Vector2<f64>]| own(ds).iter().zip(ds).map(|(v, ds)| v + epsilon * ds).collect();
+        matrix.settle(columns, &mut ds, velocity, |_, _, _| false);
+        ds
+    };
     let mut status = vec![Status::Stick; columns.len()];
     let mut followed = Matrix::new(&layout).unwrap();
     assert!(followed.factorise(columns, &status, epsilon));
+    let mut ds = respond(&mut followed);
     let changes = [
         (3, Status::slide(1.0)),
         (5, Status::slide(-1.0)),
@@ -87,7 +99,8 @@ fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
     ];
     for (contact, next) in changes {
         status[contact] = next;
-        assert!(followed.change(columns, contact, next));
+        let v = own(&ds)[contact];
+        assert!(followed.change(columns, contact, next, v, &mut ds));
     }
     let mut anew = Matrix::new(&layout).unwrap();
     assert!(anew.factorise(columns, &status, epsilon));
@@ -97,8 +110,10 @@ fn a_matrix_that_followed_changes_solves_as_one_made_anew() {
     anew.solve(columns, &mut y);
     let apart = x.iter().zip(&y).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-9, "{apart}");
+    let expected = respond(&mut anew);
+    assert!(distance(&ds, &expected) < 1e-9 * norm(&expected), "{}", distance(&ds, &expected));
     // From stick to open leads no product of one column: it is then the matrix of nothing.
     assert!(followed.is_of(&status, epsilon));
-    status[0] = Status::Open;
-    assert!(!followed.change(columns, 0, Status::Open) && !followed.is_of(&status, epsilon));
+    let v = own(&ds)[0];
+    assert!(!followed.change(columns, 0, Status::Open, v, &mut ds) && !followed.is_of(&status, epsilon));
 }
