@@ -63,6 +63,7 @@ mod collection {
     pub(crate) use entry::{Entry, Foreign, State, sha256};
     pub(crate) use folder::Collection;
     pub(crate) use recipe::{About, Recipe};
+    pub(crate) use sought::sought;
     pub(crate) use submission::{Claimed, Division, FORMAT, Submission, distance};
 }
 

@@ -57,6 +57,12 @@ pub(crate) struct Standing {
 }
 
 impl Standing {
+    /// Reports whether it says more of an open problem than what is `known`: its solutions, a proof, or a lesser natural map.
+    pub(crate) fn is_better(&self, known: &Self) -> bool {
+        let is_nearer = self.natural_map.zip(known.natural_map).is_some_and(|(now, known)| now < known);
+        known.status == Status::Open && (self.status != Status::Open || is_nearer)
+    }
+
     /// Reports whether two computations of it agree: on words and counts exactly, on numbers to three digits or round-off.
     pub(crate) fn agrees(&self, other: &Self) -> bool {
         let near = |a: Option<f64>, b: Option<f64>| match (a, b) {

@@ -116,6 +116,11 @@ pub(crate) struct Made {
 }
 
 impl Entry {
+    /// Returns the name of this program, as that of who found answers.
+    pub(crate) fn by_this() -> String {
+        format!("gravel {}", env!("CARGO_PKG_VERSION"))
+    }
+
     /// Returns the settings of a study that has its problem: what made it, and what is known of its solutions.
     pub(crate) fn settings(&self) -> Settings {
         let mut settings = self.made.as_ref().map_or_else(Settings::new, |made| made.scene.clone());

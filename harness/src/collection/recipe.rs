@@ -156,7 +156,6 @@ impl About {
         let (answers, how) = sought(problem)?;
         let known = answers.standing(&problem.posed).with_context(|| problem.name.clone())?;
         let (mechanics, grains, contacts, friction) = facts(&problem.posed);
-        let by = format!("gravel {}", env!("CARGO_PKG_VERSION"));
         let (id, name) = (problem.hash.clone(), problem.name.clone());
         let (state, licence) = (self.state, self.licence.clone());
         let (made, foreign) = (None, None);
@@ -170,7 +169,7 @@ impl About {
             state,
             origin,
             licence,
-            by,
+            by: Entry::by_this(),
             how,
             known,
             made,

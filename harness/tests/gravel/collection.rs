@@ -291,6 +291,21 @@ fn submission_is_judged_filed_and_certifies_an_open_problem() {
     assert_eq!(checked, "1 problems, 3 submissions: 0 faults\n");
 }
 
+#[test]
+fn solutions_of_open_problems_are_sought_again() {
+    let (study, id) = with_pair();
+    study.gravel(&["collection", "seek", &id]).refused(&[&id, "it is certified"]);
+    opened(&study, &id);
+    let said = study.gravel(&["collection", "seek"]).succeeded().stdout;
+    assert!(
+        said.contains("pair: certified") && said.contains("1 open problems, more is known of 1"),
+        "{said}"
+    );
+    let said = study.gravel(&["collection", "seek"]).succeeded().stdout;
+    assert_eq!(said, "0 open problems, more is known of 0\n");
+    study.gravel(&["collection", "check"]).succeeded();
+}
+
 /// The pair with friction: grains that may spin, on a floor and on each other.
 fn rough_pair() -> Value {
     let mut pair = pair_with("/format", "gravel/contact-problem/2".into());
