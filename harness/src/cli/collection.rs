@@ -42,7 +42,7 @@ enum Command {
     Add(Add),
     /// Make the problems of a recipe that are not there yet, and solve them; or the file of a problem that is not stored
     Make(Make),
-    /// Seek solutions of problems of which none is known, by the methods as they are, and keep what is better
+    /// Seek solutions of open problems, with the present methods, and keep any better answer
     Seek(Seek),
     /// Check that every problem is the one of its id, that every status is right, and every submission what it says
     Check(Check),

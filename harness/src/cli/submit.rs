@@ -55,8 +55,7 @@ pub(crate) fn submit(root: &Root, args: &SubmitArgs) -> Result<()> {
     check_apart(&[("the impulses", args.impulses.as_path()), ("--output", args.output.as_path())])?;
     let collection = Collection::of(root, args.folder.as_deref(), false)?;
     let entry = collection.entry(&args.problem).context("--problem")?;
-    let problem = collection.problem(&entry)?;
-    let problem = problem.with_context(|| not_here(&entry.id))?;
+    let problem = collection.needed(&entry)?;
     let submission = Submission {
         format: FORMAT.to_owned(),
         problem: entry.id,
@@ -74,10 +73,6 @@ pub(crate) fn submit(root: &Root, args: &SubmitArgs) -> Result<()> {
     write_sealed(&args.output, &serde_json::to_string(&Submission { claimed, ..submission })?)?;
     let word = if found.certified { "certified" } else { "not certified" };
     say(format_args!("{file}: natural map {:.3e}, {word}", found.natural_map))
-}
-
-fn not_here(id: &str) -> String {
-    format!("the problem {id} is not here: `gravel collection make {id}` makes it")
 }
 
 #[derive(clap::Args)]
@@ -147,8 +142,7 @@ fn one(collection: &Collection, file: &Path, dry_run: bool) -> Result<String> {
     let name = || file.display().to_string();
     let submission = Submission::read(file)?;
     let entry = collection.entry(&submission.problem).with_context(|| format!("{}: `problem`", name()))?;
-    let problem =
-        collection.problem(&entry)?.with_context(|| format!("{}: {}", name(), not_here(&entry.id)))?;
+    let problem = collection.needed(&entry).with_context(name)?;
     let answers = collection.answers(&entry.id)?;
     let judged = submission.judged(&entry, &problem, &answers).with_context(name)?;
     let (verified, id) = (judged.verified, &entry.id);

@@ -116,7 +116,7 @@ pub(crate) struct Made {
 }
 
 impl Entry {
-    /// Returns the name of this program, as that of who found answers.
+    /// Returns the name and version of this program, which found the answers.
     pub(crate) fn by_this() -> String {
         format!("gravel {}", env!("CARGO_PKG_VERSION"))
     }

@@ -125,6 +125,13 @@ impl<'r> Collection<'r> {
         Ok(Some(problem))
     }
 
+    /// Reads the problem of an entry, which must be here: see [`Self::problem`].
+    pub(crate) fn needed(&self, entry: &Entry) -> Result<Problem> {
+        let id = &entry.id;
+        let not_here = || format!("the problem {id} is not here: `gravel collection make {id}` makes it");
+        self.problem(entry)?.with_context(not_here)
+    }
+
     /// Reads the stored answers to the problem of an entry.
     pub(crate) fn answers(&self, id: &str) -> Result<Answers> {
         let file = self.file("answers", &format!("{id}.json.gz"));

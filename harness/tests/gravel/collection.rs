@@ -298,11 +298,11 @@ fn solutions_of_open_problems_are_sought_again() {
     opened(&study, &id);
     let said = study.gravel(&["collection", "seek"]).succeeded().stdout;
     assert!(
-        said.contains("pair: certified") && said.contains("1 open problems, more is known of 1"),
+        said.contains("pair: certified") && said.contains("better answers to 1 of 1 open problems"),
         "{said}"
     );
     let said = study.gravel(&["collection", "seek"]).succeeded().stdout;
-    assert_eq!(said, "0 open problems, more is known of 0\n");
+    assert_eq!(said, "better answers to 0 of 0 open problems\n");
     study.gravel(&["collection", "check"]).succeeded();
 }
 

@@ -1,4 +1,4 @@
-//! `gravel collection seek`: solutions of problems of which none is known, by the methods as they are.
+//! `gravel collection seek`: solutions of open problems, with the present methods.
 
 use crate::collection::{Collection, Entry, Status, sought};
 use crate::terminal::say;
@@ -24,21 +24,20 @@ impl Seek {
             let status = known.status.name();
             ensure!(
                 known.status == Status::Open,
-                "{id} {name}: it is {status}; sought are solutions of open problems"
+                "{id} {name}: it is {status}; only open problems are sought"
             );
         }
         let mut better = 0;
         for entry in &entries {
             better += usize::from(seek(collection, entry)?);
         }
-        say(format_args!("{} open problems, more is known of {better}", entries.len()))
+        say(format_args!("better answers to {better} of {} open problems", entries.len()))
     }
 }
 
-/// Seeks solutions of an open problem, and keeps what is better than what is known. Returns whether it is.
+/// Seeks solutions of an open problem, and keeps a better answer. Returns whether there is one.
 fn seek(collection: &Collection, entry: &Entry) -> Result<bool> {
-    let not_here = || format!("{}: its file is not here: `gravel collection make {0}` makes it", entry.id);
-    let problem = collection.problem(entry)?.with_context(not_here)?;
+    let problem = collection.needed(entry)?;
     let (answers, how) = sought(&problem)?;
     let found = answers.standing(&problem.posed).with_context(|| entry.name.clone())?;
     // Others may have found more since.
