@@ -180,7 +180,7 @@ impl<const D: usize> WithSimd for Solve<'_, D> {
             let rows = &structure.rows[node.rows.clone()];
             let start = D * node.own.start as usize;
             let near = &mut x[start..start + own];
-            // So that a right side at few grains is not taken through all.
+            // A right side at few grains leaves most supernodes alone.
             if near.iter().all(|x| *x == 0.0) {
                 continue;
             }

@@ -97,7 +97,7 @@ impl Path<'_> {
         None
     }
 
-    /// Response that is not known.
+    /// Returns the response to begin with where none is known (√J).
     fn unknown(&self) -> Vec<Vector2<f64>> {
         vec![Vector2::zeros(); self.s.len()]
     }
@@ -136,7 +136,7 @@ impl Path<'_> {
             return self.factorise().then(|| self.unknown());
         }
         let Line { mut ds, dv } = along;
-        // What is held moves with −ε ds; its dv is round-off.
+        // Held velocities are −ε ds; their dv is round-off.
         let v =
             dv[contact] - before.unmet(ds[contact], dv[contact]) - self.change.drawn.epsilon * ds[contact];
         let columns = &self.change.layout.columns;

@@ -46,33 +46,31 @@ impl Path<'_> {
             let (s, v) = (self.s[contact], v[contact]);
             let (ds, dv) = (sign * along.ds[contact], sign * along.dv[contact]);
             let friction = self.change.layout.columns[contact].friction();
-            let mut meet = |room: f64, closing: f64, next: &dyn Fn(f64) -> Status<2>| {
+            let mut meet = |room: f64, closing: f64, next: Status<2>| {
                 let room = room.max(0.0);
-                if closing > 0.0 && first.is_none_or(|first| room < first.at * closing) {
-                    let at = room / closing;
-                    let next = next(at);
-                    if crossed != Some((contact, next)) {
-                        first = Some(End { at, contact, next });
-                    }
+                let is_first = closing > 0.0 && first.is_none_or(|first| room < first.at * closing);
+                if is_first && crossed != Some((contact, next)) {
+                    first = Some(End { at: room / closing, contact, next });
                 }
             };
             match *status {
                 Status::Open => {
-                    let side = |at: f64| if v.y + at * dv.y < 0.0 { 1.0 } else { -1.0 };
+                    // The velocity there, times the speed of closing.
+                    let side = if v.y * -dv.x + v.x.max(0.0) * dv.y < 0.0 { 1.0 } else { -1.0 };
                     if !matches!(crossed, Some((c, Status::Slide(_))) if c == contact) {
-                        meet(v.x, -dv.x, &|at| Status::slide(side(at)));
+                        meet(v.x, -dv.x, Status::slide(side));
                     }
                 }
                 Status::Stick => {
                     for side in [1.0, -1.0] {
                         let (room, closing) = (friction * s.x - side * s.y, side * ds.y - friction * ds.x);
-                        meet(room, closing, &|_| Status::slide(side));
+                        meet(room, closing, Status::slide(side));
                     }
                 }
                 Status::Slide(slide) => {
                     let side = slide.along.y;
-                    meet(s.x, -ds.x, &|_| Status::Open);
-                    meet(-side * v.y, side * dv.y, &|_| Status::Stick);
+                    meet(s.x, -ds.x, Status::Open);
+                    meet(-side * v.y, side * dv.y, Status::Stick);
                 }
             }
         }
